@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "assets/mesh.hpp"
+
+namespace deforma {
+
+/// A mesh read from a file, and what was done to it on the way.
+struct Imported {
+  Mesh mesh;
+  std::size_t meshes = 0;               ///< that the file holds, merged with their node transforms
+  std::size_t polygons = 0;             ///< faces of more than three corners, triangulated
+  std::size_t welded_points = 0;        ///< duplicates merged
+  std::size_t dropped_triangles = 0;    ///< without area
+  std::vector<std::string> warnings;
+};
+
+/// Reads any format that assimp reads.
+/// @throws std::runtime_error naming the file and what is wrong with it: missing, empty, no mesh, a non-finite vertex,
+///         an index out of range, no triangle left.
+Imported import_mesh(const std::filesystem::path& file);
+
+}  // namespace deforma

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace deforma {
+
+/// Which way to an OpenGL context to take.
+struct ContextRequest {
+  /// "auto" tries every EGL device in turn, then the surfaceless platform, then the default display; "device:N",
+  /// "surfaceless" and "default" take only that one.
+  std::string platform = "auto";
+};
+
+/// What was taken, for reports.
+struct ContextFacts {
+  std::string platform;  ///< "device:0", "surfaceless", "default"
+  std::string vendor;
+  std::string renderer;
+  std::string version;
+  std::vector<std::string> attempts;  ///< those that failed before it, each with its reason
+};
+
+/// An OpenGL core context without a window, current on the thread that made it.
+class Context {
+ public:
+  /// @throws std::runtime_error listing every attempt with its EGL error when none works; std::invalid_argument for a
+  ///         platform name that is none of the above.
+  explicit Context(const ContextRequest& request = {});
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  const ContextFacts& facts() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace deforma

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/camera.hpp"
+#include "render/context.hpp"
+#include "render/image.hpp"
+
+namespace deforma {
+
+/// How something looks. Colours are sRGB in [0, 1].
+struct Look {
+  Eigen::Vector3f color = {0.80f, 0.35f, 0.20f};
+  float opacity = 1.0f;    ///< below 1: drawn after everything opaque, back faces first
+  float roughness = 0.5f;  ///< 0 mirror-like highlight, 1 matte
+  bool flat = false;       ///< one normal per triangle instead of smooth shading
+};
+
+/// One triangle surface in a frame.
+struct DrawnMesh {
+  std::span<const Eigen::Vector3d> points;                        ///< [m]
+  std::span<const Eigen::Vector3d> normals;                       ///< unit; may be empty when look.flat
+  std::span<const std::array<std::uint32_t, 3>> triangles;
+  Look look;
+};
+
+/// Particles of a frame, drawn as shaded spheres.
+struct DrawnSpheres {
+  std::span<const Eigen::Vector3d> centers;  ///< [m]
+  double radius = 0.01;                      ///< [m]
+  Look look;
+};
+
+/// The floor: a large disc that fades into the background and takes the shadow.
+struct DrawnGround {
+  double height = 0.0;  ///< z [m]
+  Eigen::Vector3f color = {0.72f, 0.72f, 0.70f};
+};
+
+struct Light {
+  Eigen::Vector3d direction = {-0.4, 0.5, -1.0};  ///< the way it shines
+  Eigen::Vector3f color = {1.0f, 0.97f, 0.92f};
+  float intensity = 2.6f;
+  float ambient = 0.55f;  ///< of the sky
+};
+
+struct FrameContent {
+  std::vector<DrawnMesh> meshes;
+  std::vector<DrawnSpheres> spheres;
+  const DrawnGround* ground = nullptr;
+  Camera camera;
+  Light light;
+  Eigen::Vector3f background = {0.93f, 0.94f, 0.95f};
+};
+
+struct RendererSettings {
+  int width = 1280;
+  int height = 720;
+  int samples = 4;         ///< multisampling; lowered to what the driver offers
+  int shadow_size = 2048;  ///< texels along the shadow map's edge; 0: no shadow
+};
+
+/// Draws frames into memory. Use it from the thread that made it.
+class Renderer {
+ public:
+  /// @throws std::invalid_argument for sizes that are not positive or above the driver's limit;
+  ///         std::runtime_error when no context can be had (each attempt is listed) or a shader does not compile.
+  Renderer(const RendererSettings& settings, const ContextRequest& request = {});
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  Image draw(const FrameContent& frame);
+
+  const ContextFacts& facts() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace deforma

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "sim/state.hpp"
+#include "sim/types.hpp"
+
+namespace deforma {
+
+/// What an effect asks the solver to have ready; nothing is computed that no effect asks for.
+enum Needs : unsigned {
+  needs_nothing = 0,
+  needs_strain = 1,       ///< F by one gather, and the gather of the stress into forces
+  needs_strain_rate = 2,  ///< the rate of F too (implies strain)
+  needs_surface = 4       ///< positions and velocities of the surface vertices it marks (implies strain)
+};
+
+/// One physical effect, for all the bodies whose tables call for it. It exists only if some table does.
+///
+/// The stages of a substep, in the solver's order; an effect overrides those it takes part in:
+///     near -> mark -> surface_force -> stress -> force -> (integration) -> finish
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  virtual std::string_view name() const = 0;
+  virtual unsigned needs() const { return needs_nothing; }
+
+  /// Refreshes what depends on time or on who is near whom. Returns true when the vertices it wants have changed.
+  virtual bool near(const State&) { return false; }
+
+  /// Sets 1 for each surface vertex whose position it needs.                                    m
+  virtual void mark(const State&, std::span<std::uint8_t>) const {}
+
+  /// Adds forces at active surface vertices [N]; the solver carries them to the particles.      m
+  virtual void surface_force(const State&, std::span<Vec3>) {}
+
+  /// Adds first Piola-Kirchhoff stress [Pa], a function of F and the particle alone, and, for hourglass control, the
+  /// stiffness s_i [N/m] of the pair force sum_j (s_i + s_j) W_ij u_ij.
+  /// Called with other F than the state's when the solver measures its stiffness.               n
+  virtual void stress(const State&, std::span<const Mat3> /*F*/, std::span<Mat3> /*P*/,
+                      std::span<double> /*pair_stiffness*/) {}
+
+  /// Adds forces on particles [N].                                                              n
+  virtual void force(const State&, std::span<Vec3>) {}
+
+  /// After the integration: prescribes motion, damps, lets internal variables flow.
+  virtual void finish(State&, double /*dt*/) {}
+
+  /// Potential energy [J]; zero for what dissipates.
+  virtual double energy(const State&) const { return 0.0; }
+
+  /// The largest stable substep as far as this effect alone knows [s]. What `stress` does in answer to F is measured by
+  /// the solver itself and need not be bounded here.
+  virtual double stable_step(const State&) const { return std::numeric_limits<double>::infinity(); }
+
+  /// Changes whenever a property that stiffness depends on has changed: the solver then measures it again.
+  virtual double stiffness_key(const State&) const { return 0.0; }
+
+  virtual std::size_t bytes() const { return 0; }  ///< memory held
+};
+
+}  // namespace deforma

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/effect.hpp"
+#include "sim/parameters.hpp"
+
+namespace deforma {
+
+/// One body's table for one effect.
+struct EffectTable {
+  Index body;
+  Parameters parameters;
+};
+
+/// One row of the table of effects.
+struct EffectInfo {
+  std::string_view name;     ///< the key of its table in a scene
+  std::string_view summary;  ///< one line for `deforma effects`
+  bool several;              ///< may a body have several tables of it (an array of tables)?
+  bool in_world;             ///< may stand in [world], for every body?
+  std::span<const Setting> settings;
+  /// Builds the one object that serves all bodies with a table of it. `state` is complete but for the dynamics.
+  /// @throws std::invalid_argument when values do not fit together.
+  std::unique_ptr<Effect> (*make)(const State& state, std::span<const EffectTable> tables);
+};
+
+/// Every effect there is, in the order in which they run.
+std::span<const EffectInfo> effect_registry();
+
+/// @throws std::invalid_argument with the nearest name.
+const EffectInfo& find_effect(std::string_view name);
+
+}  // namespace deforma

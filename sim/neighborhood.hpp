@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sim/kernel.hpp"
+#include "sim/particles.hpp"
+#include "sim/types.hpp"
+
+namespace deforma {
+
+/// One direction of a link: the weighted, dimensionless rest vector W_ij X_ij / l, rounded once to single
+/// precision, and the particle it points to. The reverse link holds exactly the opposite vector.
+struct Link {
+  float x, y, z;
+  Index j;
+
+  Vec3 vector() const { return {x, y, z}; }
+};
+
+/// Rest links of every particle in compressed rows, symmetric: j is in row i exactly when i is in row j.
+struct Neighborhood {
+  std::vector<Index> start;     ///< n + 1 row starts
+  std::vector<Link> links;      ///< both directions of every pair
+  std::vector<float> weight;    ///< W(q) of every link, dimensionless
+  std::vector<double> support;  ///< h of every particle [m]
+  std::vector<double> length;   ///< l of every particle, one value per body [m]: its mean support radius
+
+  std::size_t size() const { return support.size(); }
+  Range row(std::size_t i) const { return {start[i], start[i + 1]}; }
+};
+
+/// How neighbours are chosen.
+struct NeighborhoodSettings {
+  Kernel kernel = Kernel::cubic_spline;
+  int neighbors = 18;    ///< k: how many nearest particles set the mean distance; clipped to N-1
+  double support = 1.5;  ///< h over the mean distance of the k nearest
+};
+
+/// Whether two particles of one body, at rest positions a and b [m], may be linked.
+using LinkFilter = std::function<bool(const Vec3& a, const Vec3& b)>;
+
+/// Links each body's particles: h_i = support * mean distance of the k nearest, and a pair is linked exactly when
+/// |X_ij| < (h_i + h_j)/2, with W at that mean support radius in both directions. Bodies are never linked.
+///
+/// @param allowed called for every pair when not empty; must be symmetric and safe to call from several threads
+/// @throws std::invalid_argument when k < 3, the support is not positive and finite, or a position is not finite.
+Neighborhood build_neighborhood(const Particles& particles, std::span<const Body> bodies,
+                                const NeighborhoodSettings& settings, const LinkFilter& allowed = {});
+
+}  // namespace deforma

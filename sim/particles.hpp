@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/types.hpp"
+
+namespace deforma {
+
+/// The particles of every body, one array per quantity, all of one length n.
+///
+/// Displacement is stored, not position, so that a body far from the origin keeps its digits.
+struct Particles {
+  std::vector<Vec3> rest;          ///< X [m]
+  std::vector<Vec3> displacement;  ///< u [m]; the current position is X + u
+  std::vector<Vec3> velocity;      ///< v [m/s]
+  std::vector<double> mass;        ///< m [kg]
+  std::vector<double> volume;      ///< V at rest [m^3]
+  std::vector<Index> body;         ///< which body it belongs to
+
+  std::size_t size() const { return rest.size(); }
+  Vec3 position(std::size_t i) const { return rest[i] + displacement[i]; }
+};
+
+/// A body's share of the world's arrays.
+struct Body {
+  std::string name;
+  Range particles;
+  Range vertices;        ///< of the surface
+  Range triangles;       ///< of the surface
+  double spacing = 0.0;  ///< d = (V/N)^(1/3) [m]
+};
+
+}  // namespace deforma

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/effect.hpp"
+#include "sim/state.hpp"
+
+namespace deforma {
+
+enum class Integrator { symplectic_euler, velocity_verlet };
+
+struct SolverSettings {
+  Integrator integrator = Integrator::symplectic_euler;
+  double step_fraction = 0.7;  ///< of the measured stability limit
+  double max_step = 0.0;       ///< upper bound of the substep [s]; 0: none
+};
+
+/// Energies [J] and momenta at one moment.
+struct Ledger {
+  double kinetic = 0.0;
+  std::vector<std::pair<std::string, double>> potential;  ///< per effect
+  Vec3 linear_momentum = Vec3::Zero();                    ///< [kg m/s]
+  Vec3 angular_momentum = Vec3::Zero();                   ///< about the origin [kg m^2/s]
+
+  double total() const;
+};
+
+/// What the solver has done so far.
+struct SolverStatistics {
+  std::uint64_t substeps = 0;
+  double smallest_step = 0.0;  ///< [s]
+  double largest_step = 0.0;   ///< [s]
+  struct Pass {
+    std::string name;         ///< a stage of the solver, or an effect
+    std::uint64_t calls = 0;
+    double seconds = 0.0;
+    std::size_t bytes = 0;    ///< memory held
+  };
+  std::vector<Pass> effects;  ///< in running order
+  std::vector<Pass> stages;   ///< deformation gradient, surface, force gather, integration, step measurement
+};
+
+/// Thrown when a run goes wrong: the state is no longer finite or its energy has exploded.
+class SimulationDiverged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Advances a state in time with the effects it was given.
+class Solver {
+ public:
+  /// @throws std::invalid_argument when a setting is out of range: the message names it.
+  Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const SolverSettings& settings);
+  ~Solver();
+
+  /// Simulates `seconds` more in stable substeps.
+  /// @throws SimulationDiverged with the time, body, particle and the setting to change.
+  void advance(double seconds);
+
+  /// The largest stable step now, times the step fraction [s].
+  double stable_step();
+
+  /// The whole surface as drawn [m], one point per vertex; up to date with the state.
+  void deform(std::span<Vec3> points) const;
+
+  const State& state() const;
+  Ledger ledger() const;
+  const SolverStatistics& statistics() const;
+  std::span<const std::unique_ptr<Effect>> effects() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace deforma
