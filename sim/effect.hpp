@@ -29,7 +29,8 @@ class Effect {
   virtual std::string_view name() const = 0;
   virtual unsigned needs() const { return needs_nothing; }
 
-  /// Refreshes what depends on time or on who is near whom. Returns true when the vertices it wants have changed.
+  /// Refreshes what depends on time or on who is near whom. Returns true when the vertices it wants have
+  /// changed.
   virtual bool near(const State&) { return false; }
 
   /// Sets 1 for each surface vertex whose position it needs.                                    m
@@ -38,9 +39,9 @@ class Effect {
   /// Adds forces at active surface vertices [N]; the solver carries them to the particles.      m
   virtual void surface_force(const State&, std::span<Vec3>) {}
 
-  /// Adds first Piola-Kirchhoff stress [Pa], a function of F and the particle alone, and, for hourglass control, the
-  /// stiffness s_i [N/m] of the pair force sum_j (s_i + s_j) W_ij u_ij.
-  /// Called with other F than the state's when the solver measures its stiffness.               n
+  /// Adds first Piola-Kirchhoff stress [Pa], a function of F and the particle alone, and, for hourglass
+  /// control, the stiffness s_i [N/m] of the pair force sum_j (s_i + s_j) W_ij u_ij. Called with other F than
+  /// the state's when the solver measures its stiffness.               n
   virtual void stress(const State&, std::span<const Mat3> /*F*/, std::span<Mat3> /*P*/,
                       std::span<double> /*pair_stiffness*/) {}
 
@@ -53,8 +54,8 @@ class Effect {
   /// Potential energy [J]; zero for what dissipates.
   virtual double energy(const State&) const { return 0.0; }
 
-  /// The largest stable substep as far as this effect alone knows [s]. What `stress` does in answer to F is measured by
-  /// the solver itself and need not be bounded here.
+  /// The largest stable substep as far as this effect alone knows [s]. What `stress` does in answer to F is
+  /// measured by the solver itself and need not be bounded here.
   virtual double stable_step(const State&) const { return std::numeric_limits<double>::infinity(); }
 
   /// Changes whenever a property that stiffness depends on has changed: the solver then measures it again.

@@ -41,11 +41,14 @@ struct NeighborhoodSettings {
 /// Whether two particles of one body, at rest positions a and b [m], may be linked.
 using LinkFilter = std::function<bool(const Vec3& a, const Vec3& b)>;
 
-/// Links each body's particles: h_i = support * mean distance of the k nearest, and a pair is linked exactly when
-/// |X_ij| < (h_i + h_j)/2, with W at that mean support radius in both directions. Bodies are never linked.
+/// Links each body's particles: h_i = support * mean distance of the k nearest, and a pair is linked exactly
+/// when |X_ij| < (h_i + h_j)/2, with W at that mean support radius in both directions. Bodies are never
+/// linked.
 ///
-/// @param allowed called for every pair when not empty; must be symmetric and safe to call from several threads
-/// @throws std::invalid_argument when k < 3, the support is not positive and finite, or a position is not finite.
+/// @param allowed called for every pair when not empty; must be symmetric and safe to call from several
+/// threads
+/// @throws std::invalid_argument when k < 3, the support is not positive and finite, or a position is not
+/// finite.
 Neighborhood build_neighborhood(const Particles& particles, std::span<const Body> bodies,
                                 const NeighborhoodSettings& settings, const LinkFilter& allowed = {});
 

@@ -15,8 +15,8 @@ namespace deforma {
 struct PlaneShape {
   Vec3 normal = Vec3::UnitZ();
 };
-/// An axis-aligned box in the obstacle's frame. Inside: bodies are kept in it; `open` removes the +z wall and lets the
-/// others reach up for ever.
+/// An axis-aligned box in the obstacle's frame. Inside: bodies are kept in it; `open` removes the +z wall and
+/// lets the others reach up for ever.
 struct BoxShape {
   Vec3 size = Vec3::Ones();  ///< full lengths [m]
   bool inside = false;
@@ -41,7 +41,8 @@ struct MeshShape {
 
 using ObstacleShape = std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape>;
 
-/// Where an obstacle is: `position` of its origin, and `rotation` as a rotation vector (axis times angle) [rad].
+/// Where an obstacle is: `position` of its origin, and `rotation` as a rotation vector (axis times angle)
+/// [rad].
 struct Pose {
   Vec3 position = Vec3::Zero();
   Mat3 rotation = Mat3::Identity();
@@ -75,7 +76,8 @@ class ObstacleField {
   /// @param point in the obstacle's own frame [m]
   void find(const Vec3& point, std::vector<Touch>& touches) const;
 
-  /// A lower bound of the distance to the solid [m]: how far the point may move before it can touch. Zero inside.
+  /// A lower bound of the distance to the solid [m]: how far the point may move before it can touch. Zero
+  /// inside.
   double clearance(const Vec3& point) const;
 
  private:

@@ -56,9 +56,10 @@ class Parameters {
   explicit Parameters(std::span<const Setting> settings);
 
   /// Replaces one value.
-  /// @throws std::invalid_argument naming the key, what was found and what is allowed: an unknown key (with the
-  ///         nearest valid name), another type, a number (at any keyframe) outside the interval or not finite,
-  ///         keyframes where none may be, a text that is no choice.
+  /// @throws std::invalid_argument naming the key, what was found and what is allowed: an unknown key (with
+  /// the
+  ///         nearest valid name), another type, a number (at any keyframe) outside the interval or not
+  ///         finite, keyframes where none may be, a text that is no choice.
   void set(std::string_view key, SettingValue value);
 
   /// @throws std::invalid_argument when a required key was never set.

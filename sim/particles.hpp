@@ -29,6 +29,7 @@ struct Body {
   Range vertices;        ///< of the surface
   Range triangles;       ///< of the surface
   double spacing = 0.0;  ///< d = (V/N)^(1/3) [m]
+  double modulus = 0.0;  ///< P-wave modulus lambda + 2 mu of its elastic material, 0 without one [Pa]
 };
 
 }  // namespace deforma

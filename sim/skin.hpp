@@ -15,8 +15,8 @@ using Triangle = std::array<Index, 3>;
 
 /// How each surface vertex follows the particles near it, fixed in the reference configuration (eq 25):
 ///     u_s = sum_i w_i (u_i + grad u_i (X_s - X_i)),   sum w_i = 1,   w_i ~ exp(-r^2/h^2).
-/// Linear in the particles' displacements and gradients, so that its transpose carries a force at a vertex back to
-/// the particles exactly.
+/// Linear in the particles' displacements and gradients, so that its transpose carries a force at a vertex
+/// back to the particles exactly.
 struct Skin {
   struct Tie {
     Index particle;
@@ -26,26 +26,29 @@ struct Skin {
   std::vector<Index> start;  ///< m + 1 row starts
   std::vector<Tie> ties;
 
-  std::span<const Tie> row(std::size_t s) const { return {ties.data() + start[s], ties.data() + start[s + 1]}; }
+  std::span<const Tie> row(std::size_t s) const {
+    return {ties.data() + start[s], ties.data() + start[s + 1]};
+  }
 };
 
 /// The visible triangle surfaces of every body in one set of arrays.
 struct Surface {
-  std::vector<Vec3> rest;                ///< X_s [m]                                        m
-  std::vector<Triangle> triangles;       ///< counter-clockwise seen from outside
-  std::vector<Index> body;               ///< of each vertex                                 m
-  std::vector<double> area;              ///< rest area that each vertex stands for [m^2]    m
+  std::vector<Vec3> rest;           ///< X_s [m]                                        m
+  std::vector<Triangle> triangles;  ///< counter-clockwise seen from outside
+  std::vector<Index> body;          ///< of each vertex                                 m
+  std::vector<double> area;         ///< rest area that each vertex stands for [m^2]    m
   Skin skin;
-  std::vector<Vec3> position;            ///< x_s [m], up to date only where `active`        m
-  std::vector<Vec3> velocity;            ///< [m/s], up to date only where `active`          m
-  std::vector<Index> active;             ///< vertices that some effect asked for, ascending
+  std::vector<Vec3> position;  ///< x_s [m], up to date only where `active`        m
+  std::vector<Vec3> velocity;  ///< [m/s], up to date only where `active`          m
+  std::vector<Index> active;   ///< vertices that some effect asked for, ascending
 
   std::size_t size() const { return rest.size(); }
 };
 
-/// Ties every vertex to the particles of its body within their support radius; where none is near enough (or every
-/// weight underflows) to the nearest particle alone.
-/// @param allowed as for `build_neighborhood`, called with (vertex, particle); ignored where it would leave no tie
+/// Ties every vertex to the particles of its body within their support radius; where none is near enough (or
+/// every weight underflows) to the nearest particle alone.
+/// @param allowed as for `build_neighborhood`, called with (vertex, particle); ignored where it would leave
+/// no tie
 /// @throws std::invalid_argument when a body has vertices but no particle.
 Skin bind_skin(const Particles& particles, std::span<const Body> bodies, const Neighborhood& links,
                std::span<const Vec3> vertices, const LinkFilter& allowed = {});
@@ -69,11 +72,12 @@ void deform_surface(const Surface& surface, const Particles& particles, const Mo
 /// @param surface_force [N]  m
 /// @param P [Pa]             n
 /// @param force [N]          n
-void add_surface_force(const Surface& surface, const Particles& particles, std::span<const Vec3> surface_force,
-                       std::span<Mat3> P, std::span<Vec3> force);
+void add_surface_force(const Surface& surface, const Particles& particles,
+                       std::span<const Vec3> surface_force, std::span<Mat3> P, std::span<Vec3> force);
 
-/// Unit vertex normals, weighted by the angle of each corner; triangles without area are ignored, and a vertex
-/// without any gets the z axis.
-void vertex_normals(std::span<const Vec3> points, std::span<const Triangle> triangles, std::span<Vec3> normals);
+/// Unit vertex normals, weighted by the angle of each corner; triangles without area are ignored, and a
+/// vertex without any gets the z axis.
+void vertex_normals(std::span<const Vec3> points, std::span<const Triangle> triangles,
+                    std::span<Vec3> normals);
 
 }  // namespace deforma

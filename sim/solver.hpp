@@ -33,10 +33,10 @@ struct SolverStatistics {
   double smallest_step = 0.0;  ///< [s]
   double largest_step = 0.0;   ///< [s]
   struct Pass {
-    std::string name;         ///< a stage of the solver, or an effect
+    std::string name;  ///< a stage of the solver, or an effect
     std::uint64_t calls = 0;
     double seconds = 0.0;
-    std::size_t bytes = 0;    ///< memory held
+    std::size_t bytes = 0;  ///< memory held
   };
   std::vector<Pass> effects;  ///< in running order
   std::vector<Pass> stages;   ///< deformation gradient, surface, force gather, integration, step measurement

@@ -1,0 +1,51 @@
+#include "sim/internal_force.hpp"
+
+#include <fmt/core.h>
+
+#include <stdexcept>
+
+#include "sim/parallel.hpp"
+
+namespace deforma {
+
+void carried_stress(const Particles& particles, const Neighborhood& links, const MovingLeastSquares& fit,
+                    std::span<const Mat3> F, std::span<const Mat3> P, std::span<const double> pair_stiffness,
+                    std::span<Mat3> B) {
+  parallel_for_each(particles.size(), [&](std::size_t i) {
+    B[i].noalias() = particles.volume[i] * P[i] * fit.inverse[i].transpose();
+    if (!pair_stiffness.empty()) B[i] -= (pair_stiffness[i] * links.length[i]) * (F[i] - fit.plane[i]);
+  });
+}
+
+void add_internal_force(const Neighborhood& links, std::span<const Mat3> B,
+                        std::span<const double> pair_stiffness, std::span<const Vec3> displacement,
+                        std::span<Vec3> force) {
+  std::size_t n = links.size();
+  bool hourglass = !pair_stiffness.empty();
+  if (B.size() != n || force.size() != n || displacement.size() != n ||
+      (hourglass && pair_stiffness.size() != n))
+    throw std::invalid_argument(
+        fmt::format("{} neighborhoods but {} stresses, {} displacements, {} forces and {} pair stiffnesses",
+                    n, B.size(), displacement.size(), force.size(), pair_stiffness.size()));
+  parallel_for_each(n, [&](std::size_t i) {
+    // B_i + B_j inside the sum, not pulled out of it: the pair's two forces must be exactly opposite.
+    const Mat3 own = B[i];
+    Vec3 sum = Vec3::Zero();
+    Range row = links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) {
+      const Link& link = links.links[l];
+      sum.noalias() += (own + B[link.j]) * link.vector();  // eq 17 and its reaction
+    }
+    if (hourglass) {
+      const double s = pair_stiffness[i];
+      const Vec3 u = displacement[i];
+      for (Index l = row.begin; l < row.end; ++l) {
+        Index j = links.links[l].j;
+        sum += ((s + pair_stiffness[j]) * links.weight[l]) * (displacement[j] - u);
+      }
+    }
+    force[i] += sum;
+  });
+}
+
+}  // namespace deforma

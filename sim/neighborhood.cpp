@@ -1,0 +1,107 @@
+#include "sim/neighborhood.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "sim/parallel.hpp"
+#include "sim/point_tree.hpp"
+
+namespace deforma {
+
+namespace {
+
+void check(const Particles& particles, const NeighborhoodSettings& settings) {
+  if (settings.neighbors < 3)
+    throw std::invalid_argument(fmt::format("neighbors must be at least 3, found {}", settings.neighbors));
+  if (!(settings.support > 0.0) || !std::isfinite(settings.support))
+    throw std::invalid_argument(
+        fmt::format("support must be positive and finite, found {}", settings.support));
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    if (!particles.rest[i].allFinite())
+      throw std::invalid_argument(fmt::format("particle {} has a rest position that is not finite", i));
+}
+
+// h_i = support * mean distance of the k nearest others. A particle without others has no links whatever its
+// support.
+void find_supports(const PointTree& tree, const Body& body, std::span<const Vec3> rest,
+                   const NeighborhoodSettings& settings, std::vector<double>& support) {
+  std::size_t k = std::min<std::size_t>(settings.neighbors, body.particles.size() - 1);
+  parallel_for_each(body.particles.size(), [&](std::size_t local) {
+    Index i = body.particles.begin + static_cast<Index>(local);
+    double sum = 0.0;
+    for (const auto& [j, distance] : tree.nearest(rest[i], k + 1)) sum += distance;  // its own adds zero
+    double mean = k > 0 ? sum / static_cast<double>(k) : body.spacing;
+    support[i] = settings.support * (mean > 0.0 ? mean : 1.0);
+  });
+}
+
+struct Row {
+  std::vector<Link> links;
+  std::vector<float> weight;
+};
+
+Row find_row(const PointTree& tree, const Body& body, std::span<const Vec3> rest, Index i, double widest,
+             double length, std::span<const double> support, Kernel kernel, const LinkFilter& allowed) {
+  std::vector<Index> near;
+  for (const auto& [local, distance] : tree.within(rest[i], 0.5 * (support[i] + widest))) {
+    Index j = body.particles.begin + local;
+    if (j != i && distance < 0.5 * (support[i] + support[j])) near.push_back(j);
+  }
+  std::sort(near.begin(), near.end());
+  Row row;
+  for (Index j : near) {
+    Vec3 X = rest[j] - rest[i];
+    double q = X.norm() / (0.5 * (support[i] + support[j]));
+    double W = kernel_weight(kernel, q);
+    if (W <= 0.0) continue;
+    if (allowed && !(i < j ? allowed(rest[i], rest[j]) : allowed(rest[j], rest[i]))) continue;
+    Eigen::Vector3f v = (W / length * X).cast<float>();
+    row.links.push_back({v.x(), v.y(), v.z(), j});
+    row.weight.push_back(static_cast<float>(W));
+  }
+  return row;
+}
+
+}  // namespace
+
+Neighborhood build_neighborhood(const Particles& particles, std::span<const Body> bodies,
+                                const NeighborhoodSettings& settings, const LinkFilter& allowed) {
+  check(particles, settings);
+  std::size_t n = particles.size();
+  Neighborhood result;
+  result.support.resize(n);
+  result.length.resize(n);
+  std::vector<Row> rows(n);
+  for (const Body& body : bodies) {
+    if (body.particles.size() == 0) continue;
+    std::span<const Vec3> rest(particles.rest);
+    PointTree tree(rest.subspan(body.particles.begin, body.particles.size()));
+    find_supports(tree, body, rest, settings, result.support);
+    auto first = result.support.begin() + body.particles.begin,
+         last = result.support.begin() + body.particles.end;
+    double widest = *std::max_element(first, last);
+    double length = std::accumulate(first, last, 0.0) / body.particles.size();
+    parallel_for_each(body.particles.size(), [&](std::size_t local) {
+      Index i = body.particles.begin + static_cast<Index>(local);
+      result.length[i] = length;
+      rows[i] = find_row(tree, body, rest, i, widest, length, result.support, settings.kernel, allowed);
+    });
+  }
+  result.start.resize(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    result.start[i + 1] = result.start[i] + static_cast<Index>(rows[i].links.size());
+  result.links.reserve(result.start[n]);
+  result.weight.reserve(result.start[n]);
+  for (Row& row : rows) {
+    result.links.insert(result.links.end(), row.links.begin(), row.links.end());
+    result.weight.insert(result.weight.end(), row.weight.begin(), row.weight.end());
+    row = Row{};
+  }
+  return result;
+}
+
+}  // namespace deforma

@@ -1,0 +1,19 @@
+#include "sim/state.hpp"
+
+namespace deforma {
+
+void prepare_state(State& state, const NeighborhoodSettings& settings, const LinkFilter& link_allowed,
+                   const LinkFilter& tie_allowed) {
+  state.links = build_neighborhood(state.particles, state.bodies, settings, link_allowed);
+  state.fit = fit_moving_least_squares(state.particles, state.links);
+  Surface& surface = state.surface;
+  surface.area = vertex_areas(surface.rest, surface.triangles);
+  surface.skin = bind_skin(state.particles, state.bodies, state.links, surface.rest, tie_allowed);
+  surface.position = surface.rest;
+  surface.velocity.assign(surface.size(), Vec3::Zero());
+  state.F = state.fit.plane;
+  state.F_rate.assign(state.size(), Mat3::Zero());
+  state.fixed.assign(state.size(), 0);
+}
+
+}  // namespace deforma
