@@ -40,8 +40,8 @@ void add_internal_force(const Neighborhood& links, std::span<const Mat3> B,
       const double s = pair_stiffness[i];
       const Vec3 u = displacement[i];
       for (Index l = row.begin; l < row.end; ++l) {
-        Index j = links.links[l].j;
-        sum += ((s + pair_stiffness[j]) * links.weight[l]) * (displacement[j] - u);
+        const Link& link = links.links[l];
+        sum += ((s + pair_stiffness[link.j]) * link.weight) * (displacement[link.j] - u);
       }
     }
     force[i] += sum;

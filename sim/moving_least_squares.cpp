@@ -20,8 +20,8 @@ struct Moment {
   std::uint8_t rank = 0;
 };
 
-// A is only nearly symmetric, its vectors having been rounded once; the rank comes from its symmetric part,
-// the inverse from itself, so that linear fields come out exactly.
+// A is symmetric but for rounding; the rank comes from its symmetric part, the inverse from itself, so that
+// linear fields come out exactly.
 Moment invert(const Mat3& A) {
   Moment moment;
   Eigen::SelfAdjointEigenSolver<Mat3> eigen(0.5 * (A + A.transpose()));

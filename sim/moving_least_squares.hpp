@@ -21,7 +21,7 @@ struct MovingLeastSquares {
   std::size_t count_below(int rank_limit) const;
 };
 
-/// Moment matrices from the rounded link vectors and their inverses, eigenvalues below 1e-4 of the largest
+/// Moment matrices and their inverses, eigenvalues below 1e-4 of the largest
 /// dropped. Linear fields are reproduced to rounding. (Paper eqs 6-8; the exact inverse of the slightly
 /// unsymmetric matrix.)
 MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Neighborhood& links);

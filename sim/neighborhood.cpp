@@ -39,29 +39,25 @@ void find_supports(const PointTree& tree, const Body& body, std::span<const Vec3
   });
 }
 
-struct Row {
-  std::vector<Link> links;
-  std::vector<float> weight;
-};
-
-Row find_row(const PointTree& tree, const Body& body, std::span<const Vec3> rest, Index i, double widest,
-             double length, std::span<const double> support, Kernel kernel, const LinkFilter& allowed) {
+std::vector<Link> find_row(const PointTree& tree, const Body& body, std::span<const Vec3> rest, Index i,
+                           double widest, double length, std::span<const double> support, Kernel kernel,
+                           const LinkFilter& allowed) {
   std::vector<Index> near;
   for (const auto& [local, distance] : tree.within(rest[i], 0.5 * (support[i] + widest))) {
     Index j = body.particles.begin + local;
     if (j != i && distance < 0.5 * (support[i] + support[j])) near.push_back(j);
   }
   std::sort(near.begin(), near.end());
-  Row row;
+  std::vector<Link> row;
   for (Index j : near) {
     Vec3 X = rest[j] - rest[i];
     double q = X.norm() / (0.5 * (support[i] + support[j]));
     double W = kernel_weight(kernel, q);
     if (W <= 0.0) continue;
     if (allowed && !(i < j ? allowed(rest[i], rest[j]) : allowed(rest[j], rest[i]))) continue;
-    Eigen::Vector3f v = (W / length * X).cast<float>();
-    row.links.push_back({v.x(), v.y(), v.z(), j});
-    row.weight.push_back(static_cast<float>(W));
+    float weight = static_cast<float>(W);
+    Vec3 v = weight / length * X;
+    row.push_back({v.x(), v.y(), v.z(), weight, j});
   }
   return row;
 }
@@ -75,7 +71,7 @@ Neighborhood build_neighborhood(const Particles& particles, std::span<const Body
   Neighborhood result;
   result.support.resize(n);
   result.length.resize(n);
-  std::vector<Row> rows(n);
+  std::vector<std::vector<Link>> rows(n);
   for (const Body& body : bodies) {
     if (body.particles.size() == 0) continue;
     std::span<const Vec3> rest(particles.rest);
@@ -93,13 +89,11 @@ Neighborhood build_neighborhood(const Particles& particles, std::span<const Body
   }
   result.start.resize(n + 1, 0);
   for (std::size_t i = 0; i < n; ++i)
-    result.start[i + 1] = result.start[i] + static_cast<Index>(rows[i].links.size());
+    result.start[i + 1] = result.start[i] + static_cast<Index>(rows[i].size());
   result.links.reserve(result.start[n]);
-  result.weight.reserve(result.start[n]);
-  for (Row& row : rows) {
-    result.links.insert(result.links.end(), row.links.begin(), row.links.end());
-    result.weight.insert(result.weight.end(), row.weight.begin(), row.weight.end());
-    row = Row{};
+  for (std::vector<Link>& row : rows) {
+    result.links.insert(result.links.end(), row.begin(), row.end());
+    row = {};
   }
   return result;
 }

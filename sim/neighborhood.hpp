@@ -10,10 +10,16 @@
 
 namespace deforma {
 
-/// One direction of a link: the weighted, dimensionless rest vector W_ij X_ij / l, rounded once to single
-/// precision, and the particle it points to. The reverse link holds exactly the opposite vector.
+/// One direction of a link: the dimensionless weight W(q), rounded once to single precision, the weighted
+/// rest vector W X_ij / l made with that same rounded weight, and the particle it points to. The reverse link
+/// holds exactly the opposite vector.
+///
+/// The vector is kept in double precision: hourglass control subtracts W u_ij from grad u_i (W X)_ij, two
+/// large numbers under rotation, and with a rounded vector the difference of a rigidly turned body would be a
+/// torque (1e-6 of its angular momentum in 2 s for a cube of 1 MPa).
 struct Link {
-  float x, y, z;
+  double x, y, z;
+  float weight;
   Index j;
 
   Vec3 vector() const { return {x, y, z}; }
@@ -23,7 +29,6 @@ struct Link {
 struct Neighborhood {
   std::vector<Index> start;     ///< n + 1 row starts
   std::vector<Link> links;      ///< both directions of every pair
-  std::vector<float> weight;    ///< W(q) of every link, dimensionless
   std::vector<double> support;  ///< h of every particle [m]
   std::vector<double> length;   ///< l of every particle, one value per body [m]: its mean support radius
 

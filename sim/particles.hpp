@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/curve.hpp"
 #include "sim/types.hpp"
 
 namespace deforma {
@@ -29,7 +30,10 @@ struct Body {
   Range vertices;        ///< of the surface
   Range triangles;       ///< of the surface
   double spacing = 0.0;  ///< d = (V/N)^(1/3) [m]
-  double modulus = 0.0;  ///< P-wave modulus lambda + 2 mu of its elastic material, 0 without one [Pa]
+  // Of its elastic material, 0 without one; `make_effects` fills them in for the effects that scale with
+  // them.
+  double modulus = 0.0;       ///< P-wave modulus lambda + 2 mu at the start [Pa]
+  Curve<double> young = 0.0;  ///< Young's modulus over time [Pa]
 };
 
 }  // namespace deforma

@@ -1,0 +1,111 @@
+#include "sim/effects/elastic.hpp"
+
+#include <cmath>
+
+#include "sim/material.hpp"
+#include "sim/parallel.hpp"
+
+namespace deforma {
+
+namespace {
+
+const Setting settings[] = {
+    {.key = "young",
+     .unit = "Pa",
+     .meaning = "Young's modulus",
+     .fallback = Curve<double>(1e5),
+     .required = true,
+     .allowed = Interval::positive()},
+    {.key = "poisson",
+     .unit = "-",
+     .meaning = "Poisson's ratio",
+     .fallback = Curve<double>(0.3),
+     .allowed = Interval::open(-1.0, 0.5)},
+    {.key = "material",
+     .unit = "-",
+     .meaning = "stress-strain law",
+     .fallback = std::string("neo_hookean"),
+     .choices = {material_names().begin(), material_names().end()}},
+};
+
+struct Solid {
+  Range particles;
+  Material material;
+  Curve<double> young, poisson;
+  Lame lame;  // now
+
+  void update(double time) { lame = lame_constants(young.at(time), poisson.at(time)); }
+};
+
+class Elastic : public Effect {
+ public:
+  Elastic(const State& state, std::span<const EffectTable> tables) {
+    for (const EffectTable& table : tables) {
+      const Parameters& p = table.parameters;
+      solids_.push_back({state.bodies[table.body].particles,
+                         material_from_name(p.text("material")),
+                         p.number("young"),
+                         p.number("poisson"),
+                         {}});
+      solids_.back().update(state.time);
+    }
+  }
+
+  std::string_view name() const override { return "elastic"; }
+  unsigned needs() const override { return needs_strain; }
+
+  bool near(const State& state) override {
+    for (Solid& solid : solids_)
+      if (solid.young.varies() || solid.poisson.varies()) solid.update(state.time);
+    return false;
+  }
+
+  void stress(const State& state, std::span<const Mat3> F, std::span<Mat3> P, std::span<double>) override {
+    const MovingLeastSquares& fit = state.fit;
+    for (const Solid& solid : solids_)
+      parallel_for_each(solid.particles.size(), [&](std::size_t local) {
+        std::size_t i = solid.particles.begin + local;
+        P[i] += fit.rank[i] == 3 ? first_piola_kirchhoff(solid.material, solid.lame, F[i])
+                                 : reduced_first_piola_kirchhoff(solid.lame, F[i], fit.plane[i], fit.rank[i]);
+      });
+  }
+
+  double energy(const State& state) const override {
+    double sum = 0.0;
+    for (const Solid& solid : solids_)
+      for (Index i = solid.particles.begin; i < solid.particles.end; ++i)
+        sum += state.particles.volume[i] *
+               (state.fit.rank[i] == 3
+                    ? energy_density(solid.material, solid.lame, state.F[i])
+                    : reduced_energy_density(solid.lame, state.F[i], state.fit.plane[i], state.fit.rank[i]));
+    return sum;
+  }
+
+  double stiffness_key(const State&) const override {
+    double key = 0.0;
+    for (const Solid& solid : solids_) key += std::log(solid.lame.p_wave_modulus());
+    return key;
+  }
+
+  std::size_t bytes() const override { return solids_.size() * sizeof(Solid); }
+
+ private:
+  std::vector<Solid> solids_;
+};
+
+}  // namespace
+
+const EffectInfo& elastic_effect() {
+  static const EffectInfo info = {
+      .name = "elastic",
+      .summary = "resists deformation and returns to the rest shape",
+      .several = false,
+      .in_world = false,
+      .settings = settings,
+      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+        return std::make_unique<Elastic>(state, tables);
+      }};
+  return info;
+}
+
+}  // namespace deforma

@@ -1,0 +1,105 @@
+#include "sim/effects/hourglass.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/parallel.hpp"
+
+namespace deforma {
+
+namespace {
+
+const Setting settings[] = {
+    {.key = "stiffness",
+     .unit = "-",
+     .meaning = "zeta: share of Young's modulus that acts against unseen modes",
+     .fallback = Curve<double>(1.0),
+     .allowed = Interval::positive(),
+     .keyframed = false},
+};
+
+class Hourglass : public Effect {
+ public:
+  Hourglass(const State& state, std::span<const EffectTable> tables) {
+    for (const EffectTable& table : tables) {
+      const Body& body = state.bodies[table.body];
+      if (!(body.young.at(state.time) > 0.0))
+        throw std::invalid_argument(fmt::format(
+            "hourglass: body '{}' has no elastic table, whose Young's modulus it scales with", body.name));
+      controlled_.push_back({table.body, table.parameters.number("stiffness").at(state.time)});
+    }
+  }
+
+  std::string_view name() const override { return "hourglass"; }
+  unsigned needs() const override { return needs_strain; }
+
+  void stress(const State& state, std::span<const Mat3>, std::span<Mat3>,
+              std::span<double> pair_stiffness) override {
+    for (const Controlled& body : controlled_) {
+      Range particles = state.bodies[body.index].particles;
+      double modulus = body.zeta * state.bodies[body.index].young.at(state.time);
+      parallel_for_each(particles.size(), [&](std::size_t local) {
+        std::size_t i = particles.begin + local;
+        pair_stiffness[i] = per_particle(state, i, modulus);
+      });
+    }
+  }
+
+  double energy(const State& state) const override {
+    double sum = 0.0;
+    const Neighborhood& links = state.links;
+    for (const Controlled& body : controlled_) {
+      Range particles = state.bodies[body.index].particles;
+      double modulus = body.zeta * state.bodies[body.index].young.at(state.time);
+      for (Index i = particles.begin; i < particles.end; ++i) {
+        Mat3 gradient = state.F[i] - state.fit.plane[i];
+        double residual = 0.0;
+        Range row = links.row(i);
+        for (Index l = row.begin; l < row.end; ++l) {
+          Index j = links.links[l].j;
+          Vec3 e = gradient * (state.particles.rest[j] - state.particles.rest[i]) -
+                   (state.particles.displacement[j] - state.particles.displacement[i]);
+          residual += links.links[l].weight * e.squaredNorm();
+        }
+        sum += 0.5 * per_particle(state, i, modulus) * residual;
+      }
+    }
+    return sum;
+  }
+
+  std::size_t bytes() const override { return controlled_.size() * sizeof(Controlled); }
+
+ private:
+  struct Controlled {
+    Index index;
+    double zeta;
+  };
+
+  // s_i with c_ij = s_i W_ij; the links' weights and tr A are dimensionless, hence l^2.
+  static double per_particle(const State& state, std::size_t i, double modulus) {
+    double trace = state.fit.trace[i] * state.links.length[i] * state.links.length[i];
+    return trace > 0.0 ? modulus * state.particles.volume[i] / trace : 0.0;
+  }
+
+  std::vector<Controlled> controlled_;
+};
+
+}  // namespace
+
+const EffectInfo& hourglass_effect() {
+  static const EffectInfo info = {
+      .name = "hourglass",
+      .summary =
+          "suppresses zero-energy (hourglass) modes; every elastic body has it unless `hourglass = false`",
+      .several = false,
+      .in_world = false,
+      .settings = settings,
+      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+        return std::make_unique<Hourglass>(state, tables);
+      }};
+  return info;
+}
+
+}  // namespace deforma

@@ -1,0 +1,60 @@
+#include "sim/effects/registry.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "sim/effects/damping.hpp"
+#include "sim/effects/elastic.hpp"
+#include "sim/effects/gravity.hpp"
+#include "sim/effects/hourglass.hpp"
+#include "sim/effects/volume.hpp"
+#include "sim/material.hpp"
+
+namespace deforma {
+
+std::span<const EffectInfo> effect_registry() {
+  // The running order: stress, then forces, then what acts after the integration. Pins come last: they
+  // prescribe.
+  static const EffectInfo registry[] = {
+      elastic_effect(), hourglass_effect(), volume_effect(), gravity_effect(), damping_effect(),
+  };
+  return registry;
+}
+
+const EffectInfo& find_effect(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const EffectInfo& info : effect_registry()) {
+    if (info.name == name) return info;
+    names.push_back(info.name);
+  }
+  std::string nearest = nearest_name(name, names);
+  throw std::invalid_argument(fmt::format("unknown effect '{}'{} (allowed: {})", name,
+                                          nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest),
+                                          fmt::join(names, ", ")));
+}
+
+std::vector<std::unique_ptr<Effect>> make_effects(State& state, std::span<const EffectRequest> requests) {
+  for (const EffectRequest& request : requests) {
+    find_effect(request.effect);
+    request.table.parameters.require_complete();
+    if (request.effect != elastic_effect().name) continue;
+    const Parameters& p = request.table.parameters;
+    Body& body = state.bodies.at(request.table.body);
+    body.young = p.number("young");
+    body.modulus =
+        lame_constants(body.young.at(state.time), p.number("poisson").at(state.time)).p_wave_modulus();
+  }
+  std::vector<std::unique_ptr<Effect>> effects;
+  for (const EffectInfo& info : effect_registry()) {
+    std::vector<EffectTable> tables;
+    for (const EffectRequest& request : requests)
+      if (request.effect == info.name) tables.push_back(request.table);
+    if (!tables.empty()) effects.push_back(info.make(state, tables));
+  }
+  return effects;
+}
+
+}  // namespace deforma

@@ -1,0 +1,405 @@
+#include "sim/solver.hpp"
+
+#include <fmt/core.h>
+#include <tbb/parallel_reduce.h>
+
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/internal_force.hpp"
+#include "sim/parallel.hpp"
+#include "sim/stiffness.hpp"
+
+namespace deforma {
+
+namespace {
+
+// A stretch that changed by so much since the stiffness was measured calls for a new measurement.
+constexpr double stretch_grown = 1.05;
+constexpr double stretch_shrunk = 0.80;
+constexpr double stiffness_changed = 0.05;  // of the sum of logarithms of the moduli
+constexpr double exploded = 1e6;            // a deformation gradient this large is no deformation any more
+
+enum Stage { gather_strain, surface_motion, gather_force, integration, step_measurement, stage_count };
+constexpr const char* stage_names[stage_count] = {"deformation gradient", "surface", "force gather",
+                                                  "integration", "step measurement"};
+
+class Timer {
+ public:
+  explicit Timer(SolverStatistics::Pass& pass) : pass_(pass), start_(std::chrono::steady_clock::now()) {}
+  ~Timer() {
+    pass_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    ++pass_.calls;
+  }
+  Timer(const Timer&) = delete;
+  Timer& operator=(const Timer&) = delete;
+
+ private:
+  SolverStatistics::Pass& pass_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+// The largest Frobenius norm of F; infinity when an entry is not finite.
+double largest_stretch(std::span<const Mat3> F) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, F.size(), 4096), 0.0,
+      [&](const tbb::blocked_range<std::size_t>& block, double largest) {
+        for (std::size_t i = block.begin(); i != block.end(); ++i) {
+          double squared = F[i].squaredNorm();
+          if (!(squared < exploded * exploded)) return std::numeric_limits<double>::infinity();
+          largest = std::max(largest, squared);
+        }
+        return largest;
+      },
+      [](double a, double b) { return std::max(a, b); });
+}
+
+void check(const SolverSettings& settings) {
+  if (!(settings.step_fraction > 0.0 && settings.step_fraction <= 1.0))
+    throw std::invalid_argument(
+        fmt::format("step_fraction must be in (0, 1], found {}", settings.step_fraction));
+  if (!(settings.max_step >= 0.0) || !std::isfinite(settings.max_step))
+    throw std::invalid_argument(
+        fmt::format("max_step must be positive, or 0 for none, found {} s", settings.max_step));
+}
+
+}  // namespace
+
+double Ledger::total() const {
+  double sum = kinetic;
+  for (const auto& [name, energy] : potential) sum += energy;
+  return sum;
+}
+
+struct Solver::Data {
+  State state;
+  std::vector<std::unique_ptr<Effect>> effects;
+  SolverSettings settings;
+  SolverStatistics statistics;
+
+  unsigned needs = 0;
+  bool hourglass = false;  // some effect gives a pair stiffness
+  std::vector<Mat3> P, B, F_before;
+  std::vector<double> pair_stiffness;
+  std::vector<Vec3> force, surface_force;
+  std::vector<std::uint8_t> wanted;
+  double last_step = 0.0;    // that F_before lies behind F [s]
+  bool fresh = false;        // strain, near pairs and surface belong to the present state
+  bool force_known = false;  // velocity Verlet: so does the force
+
+  StiffnessProbe probe;
+  bool measured = false;
+  double omega = 0.0;             // measured highest frequency [rad/s]
+  double measured_stretch = 0.0;  // when it was
+  double measured_key = 0.0;
+  double stretch = 0.0;  // now
+
+  double smallest_spacing() const {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const Body& body : state.bodies) smallest = std::min(smallest, body.spacing);
+    return smallest;
+  }
+
+  void find_strain() {
+    if (!(needs & needs_strain)) return;
+    Timer timer(statistics.stages[gather_strain]);
+    if (needs & (needs_strain_rate | needs_surface)) std::swap(state.F, F_before);
+    deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
+    stretch = largest_stretch(state.F);
+    if (!(needs & (needs_strain_rate | needs_surface))) return;
+    if (last_step > 0.0) {
+      // F is linear in u and u advanced by v dt, so this quotient is the gradient of the velocity.
+      parallel_for_each(state.size(),
+                        [&](std::size_t i) { state.F_rate[i] = (state.F[i] - F_before[i]) / last_step; });
+    }
+  }
+
+  void find_initial_rate() {
+    if (!(needs & (needs_strain_rate | needs_surface))) return;
+    deformation_gradients(state.links, state.fit, state.particles.velocity, state.F_rate);
+    for (std::size_t i = 0; i < state.size(); ++i) state.F_rate[i] -= state.fit.plane[i];
+  }
+
+  void find_near() {
+    bool changed = false;
+    for (std::size_t e = 0; e < effects.size(); ++e) {
+      Timer timer(statistics.effects[e]);
+      changed = effects[e]->near(state) || changed;
+    }
+    if (!(needs & needs_surface) || !changed) return;
+    std::fill(wanted.begin(), wanted.end(), 0);
+    for (const auto& effect : effects) effect->mark(state, wanted);
+    state.surface.active.clear();
+    for (Index s = 0; s < wanted.size(); ++s)
+      if (wanted[s]) state.surface.active.push_back(s);
+  }
+
+  void move_surface() {
+    if (!(needs & needs_surface)) return;
+    Timer timer(statistics.stages[surface_motion]);
+    Surface& surface = state.surface;
+    parallel_for_each(
+        surface.active.size(),
+        [&](std::size_t a) {
+          Index s = surface.active[a];
+          Vec3 u = Vec3::Zero(), v = Vec3::Zero();
+          for (const Skin::Tie& tie : surface.skin.row(s)) {  // eq 25, and its rate
+            Index i = tie.particle;
+            u += tie.weight * (state.particles.displacement[i] + (state.F[i] - state.fit.plane[i]) * tie.arm);
+            v += tie.weight * (state.particles.velocity[i] + state.F_rate[i] * tie.arm);
+          }
+          surface.position[s] = surface.rest[s] + u;
+          surface.velocity[s] = v;
+        },
+        64);
+  }
+
+  // What the forces at the present state depend on; once per state, or the rate of F would be lost.
+  void refresh() {
+    if (fresh) return;
+    fresh = true;
+    find_strain();
+    find_near();
+    move_surface();
+  }
+
+  void find_force() {
+    std::fill(force.begin(), force.end(), Vec3::Zero());
+    if (needs & needs_strain) {
+      std::fill(P.begin(), P.end(), Mat3::Zero());
+      if (needs & needs_surface) {
+        for (Index s : state.surface.active) surface_force[s].setZero();
+        run_effects([&](Effect& effect) { effect.surface_force(state, surface_force); });
+        Timer timer(statistics.stages[surface_motion]);
+        add_surface_force(state.surface, state.particles, surface_force, P, force);
+      }
+      run_effects([&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
+      Timer timer(statistics.stages[gather_force]);
+      carried_stress(state.particles, state.links, state.fit, state.F, P, pair_stiffness, B);
+      add_internal_force(state.links, B, pair_stiffness, state.particles.displacement, force);
+    }
+    run_effects([&](Effect& effect) { effect.force(state, force); });
+  }
+
+  template <typename Call>
+  void run_effects(const Call& call) {
+    for (std::size_t e = 0; e < effects.size(); ++e) {
+      Timer timer(statistics.effects[e]);
+      call(*effects[e]);
+    }
+  }
+
+  void kick(double dt) {
+    parallel_for_each(state.size(), [&](std::size_t i) {
+      state.particles.velocity[i] += dt / state.particles.mass[i] * force[i];  // eqs 22, 23
+    });
+  }
+
+  void drift(double dt) {
+    fresh = false;
+    parallel_for_each(state.size(), [&](std::size_t i) {
+      state.particles.displacement[i] += dt * state.particles.velocity[i];  // eq 24, with the new velocity
+    });
+  }
+
+  void substep(double dt) {
+    if (settings.integrator == Integrator::symplectic_euler) {
+      refresh();
+      refuse_divergence();
+      find_force();
+      Timer timer(statistics.stages[integration]);
+      kick(dt);
+      drift(dt);
+      state.time += dt;
+      last_step = dt;
+    } else {
+      if (!force_known) {
+        refresh();
+        find_force();
+      }
+      {
+        Timer timer(statistics.stages[integration]);
+        kick(0.5 * dt);
+        drift(dt);
+      }
+      state.time += dt;
+      last_step = dt;
+      refresh();
+      refuse_divergence();
+      find_force();
+      force_known = true;
+      Timer timer(statistics.stages[integration]);
+      kick(0.5 * dt);
+    }
+    run_effects([&](Effect& effect) { effect.finish(state, dt); });
+    ++statistics.substeps;
+    statistics.smallest_step = statistics.substeps == 1 ? dt : std::min(statistics.smallest_step, dt);
+    statistics.largest_step = std::max(statistics.largest_step, dt);
+  }
+
+  void refuse_divergence() const {
+    bool finite_strain = std::isfinite(stretch);
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      bool fine = state.particles.displacement[i].allFinite() && state.particles.velocity[i].allFinite() &&
+                  (finite_strain || state.F[i].squaredNorm() < exploded * exploded);
+      if (fine) continue;
+      const Body& body = state.bodies[state.particles.body[i]];
+      throw SimulationDiverged(
+          fmt::format("the simulation diverged at t = {:.6g} s: body '{}', particle {} is no longer finite "
+                      "or is stretched beyond "
+                      "{:g} times; lower [solver] step_fraction (now {:g}), or soften what drives it",
+                      state.time, body.name, i - body.particles.begin, exploded, settings.step_fraction));
+    }
+  }
+
+  // The force that answers strain alone, at other displacements than the state's.
+  void strain_force(std::span<const Vec3> displacement, std::span<Vec3> answer, std::vector<Mat3>& F) {
+    deformation_gradients(state.links, state.fit, displacement, F);
+    std::fill(P.begin(), P.end(), Mat3::Zero());
+    for (const auto& effect : effects)
+      if (!(effect->needs() & needs_strain_rate)) effect->stress(state, F, P, pair_stiffness);
+    carried_stress(state.particles, state.links, state.fit, F, P, pair_stiffness, B);
+    std::fill(answer.begin(), answer.end(), Vec3::Zero());
+    add_internal_force(state.links, B, pair_stiffness, displacement, answer);
+  }
+
+  double stiffness_key() const {
+    double key = 0.0;
+    for (const auto& effect : effects) key += effect->stiffness_key(state);
+    return key;
+  }
+
+  void measure_stiffness() {
+    if (!(needs & needs_strain)) return;
+    double key = stiffness_key();
+    bool current = measured && stretch <= stretch_grown * measured_stretch &&
+                   stretch >= stretch_shrunk * measured_stretch &&
+                   std::abs(key - measured_key) < stiffness_changed;
+    if (current) return;
+    Timer timer(statistics.stages[step_measurement]);
+    std::vector<Mat3> F(state.size());
+    omega =
+        probe.measure(state.particles.displacement, state.particles.mass, state.fixed, smallest_spacing(),
+                      [&](std::span<const Vec3> u, std::span<Vec3> answer) { strain_force(u, answer, F); });
+    measured = true;
+    measured_stretch = stretch;
+    measured_key = key;
+  }
+
+  // Limits of springs in parallel on one mass add as the squares of their frequencies.
+  double stable_step() {
+    measure_stiffness();
+    double inverse_square = 0.25 * omega * omega;
+    for (const auto& effect : effects) {
+      double step = effect->stable_step(state);
+      inverse_square += 1.0 / (step * step);
+    }
+    double step = settings.step_fraction / std::sqrt(inverse_square);
+    return settings.max_step > 0.0 ? std::min(step, settings.max_step) : step;
+  }
+};
+
+Solver::Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const SolverSettings& settings)
+    : data_(std::make_unique<Data>()) {
+  check(settings);
+  Data& d = *data_;
+  d.state = std::move(state);
+  d.effects = std::move(effects);
+  d.settings = settings;
+  std::size_t n = d.state.size(), m = d.state.surface.size();
+  d.force.resize(n);
+  for (const char* name : stage_names) d.statistics.stages.push_back({.name = name});
+  for (const auto& effect : d.effects) {
+    d.needs |= effect->needs();
+    d.hourglass = d.hourglass || effect->name() == "hourglass";
+    d.statistics.effects.push_back({.name = std::string(effect->name())});
+  }
+  if (d.needs & (needs_strain_rate | needs_surface)) d.needs |= needs_strain;
+  if (d.needs & needs_strain) {
+    d.P.resize(n);
+    d.B.resize(n);
+    if (d.hourglass) d.pair_stiffness.assign(n, 0.0);
+  }
+  if (d.needs & (needs_strain_rate | needs_surface)) d.F_before.resize(n);
+  if (d.needs & needs_surface) {
+    d.surface_force.assign(m, Vec3::Zero());
+    d.wanted.resize(m);
+  }
+  d.run_effects([&](Effect& effect) { effect.finish(d.state, 0.0); });  // pins hold from the start
+  d.find_initial_rate();
+  d.refresh();
+}
+
+Solver::~Solver() = default;
+
+void Solver::advance(double seconds) {
+  Data& d = *data_;
+  if (!(seconds >= 0.0) || !std::isfinite(seconds))
+    throw std::invalid_argument(fmt::format("cannot advance by {} s", seconds));
+  const double end = d.state.time + seconds;
+  double remaining = seconds;
+  while (remaining > 0.0) {
+    double count = std::max(1.0, std::ceil(remaining / d.stable_step() - 1e-9));
+    if (!std::isfinite(count)) d.refuse_divergence();
+    double dt = remaining / count;
+    d.substep(dt);
+    remaining = count > 1.0 ? remaining - dt : 0.0;
+  }
+  d.state.time = end;
+  d.refresh();
+  d.refuse_divergence();
+}
+
+double Solver::stable_step() { return data_->stable_step(); }
+
+void Solver::deform(std::span<Vec3> points) const {
+  const State& state = data_->state;
+  if (data_->needs & needs_strain) {
+    deform_surface(state.surface, state.particles, state.fit, state.F, points);
+    return;
+  }
+  std::vector<Mat3> F(state.size());
+  deformation_gradients(state.links, state.fit, state.particles.displacement, F);
+  deform_surface(state.surface, state.particles, state.fit, F, points);
+}
+
+const State& Solver::state() const { return data_->state; }
+
+Ledger Solver::ledger() const {
+  const State& state = data_->state;
+  Ledger ledger;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    Vec3 p = state.particles.mass[i] * state.particles.velocity[i];
+    ledger.kinetic += 0.5 * p.dot(state.particles.velocity[i]);
+    ledger.linear_momentum += p;
+    ledger.angular_momentum += state.particles.position(i).cross(p);
+  }
+  for (const auto& effect : data_->effects)
+    ledger.potential.emplace_back(effect->name(), effect->energy(state));
+  return ledger;
+}
+
+const SolverStatistics& Solver::statistics() const {
+  Data& d = *data_;
+  for (std::size_t e = 0; e < d.effects.size(); ++e) d.statistics.effects[e].bytes = d.effects[e]->bytes();
+  const State& s = d.state;
+  auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  d.statistics.stages[gather_strain].bytes = bytes(s.links.links) + bytes(s.links.start) +
+                                             bytes(s.fit.inverse) + bytes(s.fit.plane) + bytes(s.F) +
+                                             bytes(s.F_rate) + bytes(d.F_before);
+  d.statistics.stages[surface_motion].bytes = bytes(s.surface.skin.ties) + bytes(s.surface.position) +
+                                              bytes(s.surface.velocity) + bytes(d.surface_force) +
+                                              bytes(d.wanted);
+  d.statistics.stages[gather_force].bytes =
+      bytes(d.P) + bytes(d.B) + bytes(d.pair_stiffness) + bytes(d.force);
+  d.statistics.stages[integration].bytes = bytes(s.particles.rest) + bytes(s.particles.displacement) +
+                                           bytes(s.particles.velocity) + bytes(s.particles.mass) +
+                                           bytes(s.particles.volume);
+  return d.statistics;
+}
+
+std::span<const std::unique_ptr<Effect>> Solver::effects() const { return data_->effects; }
+
+}  // namespace deforma

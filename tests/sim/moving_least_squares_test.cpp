@@ -1,0 +1,67 @@
+#include "sim/moving_least_squares.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "fixtures.hpp"
+
+namespace deforma {
+namespace {
+
+const Mat3 gradient =
+    (Mat3() << 0.1, 0.7, -0.2, 0.0, -0.3, 0.4, 0.25, 0.0, 0.2).finished();  // unsymmetric on purpose
+
+class EveryKernelFit : public testing::TestWithParam<int> {};
+
+TEST_P(EveryKernelFit, ReproducesLinearFieldsToRounding) {
+  NeighborhoodSettings settings{.kernel = static_cast<Kernel>(GetParam())};
+  State state = lattice_box(Vec3(0.5, 0.6, 0.7), 5, 6, 7, 1000.0, 0.25, settings);
+  for (std::size_t i = 0; i < state.size(); ++i)
+    state.particles.displacement[i] = gradient * state.particles.rest[i] + Vec3(1, 2, 3);
+  deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
+  for (const Mat3& F : state.F) EXPECT_LT((F - Mat3::Identity() - gradient).norm(), 2e-13);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, EveryKernelFit, testing::Range(1, 6));
+
+TEST(MovingLeastSquares, SeesTheRankOfSheetsRopesAndLoneParticles) {
+  State sheet = lattice_box(Vec3(0.6, 0.6, 0.1), 6, 6, 1, 1000.0);
+  State rope = lattice_box(Vec3(1.2, 0.1, 0.1), 12, 1, 1, 1000.0);
+  State one = lattice_box(Vec3(0.1, 0.1, 0.1), 1, 1, 1, 1000.0);
+  EXPECT_EQ(sheet.fit.count_below(3), 36u);
+  EXPECT_EQ(sheet.fit.count_below(2), 0u);
+  EXPECT_EQ(rope.fit.count_below(2), 12u);
+  EXPECT_EQ(rope.fit.count_below(1), 0u);
+  EXPECT_EQ(one.fit.rank[0], 0);
+  EXPECT_TRUE(one.F[0].isZero());
+  EXPECT_NEAR((sheet.fit.plane[7] - Vec3(1, 1, 0).asDiagonal().toDenseMatrix()).norm(), 0.0, 1e-12);
+}
+
+TEST(MovingLeastSquares, ASheetTurnsWithItsRotation) {
+  State sheet = lattice_box(Vec3(0.6, 0.6, 0.1), 6, 6, 1, 1000.0);
+  Mat3 R = Eigen::AngleAxisd(1.3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  for (std::size_t i = 0; i < sheet.size(); ++i)
+    sheet.particles.displacement[i] = R * sheet.particles.rest[i] - sheet.particles.rest[i];
+  deformation_gradients(sheet.links, sheet.fit, sheet.particles.displacement, sheet.F);
+  for (std::size_t i = 0; i < sheet.size(); ++i)
+    EXPECT_LT((sheet.F[i] - R * sheet.fit.plane[i]).norm(), 1e-13);
+}
+
+TEST(MovingLeastSquares, IsFreeOfScale) {
+  State small = lattice_box(Vec3::Constant(0.6e-6), 6, 6, 6, 1000.0, 0.2);
+  State large = lattice_box(Vec3::Constant(0.6e6), 6, 6, 6, 1000.0, 0.2);
+  ASSERT_EQ(small.links.links.size(), large.links.links.size());
+  for (std::size_t i = 0; i < small.size(); ++i)
+    EXPECT_LT((small.fit.inverse[i] * 1e-12 - large.fit.inverse[i]).norm(),
+              1e-6 * large.fit.inverse[i].norm());
+}
+
+TEST(MovingLeastSquares, RefusesArraysOfDifferentLength) {
+  State state = lattice_box(Vec3::Ones(), 3, 3, 3, 1000.0);
+  std::vector<Vec3> field(5);
+  EXPECT_THROW(deformation_gradients(state.links, state.fit, field, state.F), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace deforma

@@ -1,0 +1,92 @@
+#include "sim/neighborhood.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "fixtures.hpp"
+
+namespace deforma {
+namespace {
+
+TEST(Neighborhood, LinksExactlyThePairsWithinTheMeanSupport) {
+  State state = lattice_box(Vec3(0.5, 0.4, 0.3), 5, 4, 3, 1000.0, 0.3);
+  const Neighborhood& links = state.links;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    Range row = links.row(i);
+    for (std::size_t j = 0; j < state.size(); ++j) {
+      double r = (state.particles.rest[j] - state.particles.rest[i]).norm();
+      bool near = j != i && r < 0.5 * (links.support[i] + links.support[j]);
+      bool linked = std::any_of(links.links.begin() + row.begin, links.links.begin() + row.end,
+                                [&](const Link& link) { return link.j == j; });
+      EXPECT_EQ(linked, near) << i << " " << j;
+    }
+  }
+}
+
+TEST(Neighborhood, GivesBothDirectionsExactlyOppositeVectors) {
+  State state = lattice_box(Vec3::Constant(0.5), 5, 5, 5, 1000.0, 0.3);
+  const Neighborhood& links = state.links;
+  for (Index i = 0; i < state.size(); ++i)
+    for (Index l = links.row(i).begin; l < links.row(i).end; ++l) {
+      Index j = links.links[l].j;
+      Range back = links.row(j);
+      auto found = std::find_if(links.links.begin() + back.begin, links.links.begin() + back.end,
+                                [&](const Link& link) { return link.j == i; });
+      ASSERT_NE(found, links.links.begin() + back.end);
+      EXPECT_EQ(found->vector(), -links.links[l].vector());
+      EXPECT_EQ(found->weight, links.links[l].weight);
+    }
+}
+
+TEST(Neighborhood, HasTwentySixLinksInsideALattice) {
+  State state = lattice_box(Vec3::Constant(0.7), 7, 7, 7, 1000.0);
+  EXPECT_EQ(state.links.row(3 * 49 + 3 * 7 + 3).size(), 26u);
+}
+
+TEST(Neighborhood, NeverLinksTwoBodies) {
+  State state = lattice_particles(Vec3::Constant(0.3), 3, 3, 3, 1000.0);
+  append_body(state, lattice_particles(Vec3::Constant(0.3), 3, 3, 3, 1000.0), Vec3(0.3, 0, 0));
+  prepare_state(state, {});
+  for (Index i = 0; i < state.size(); ++i)
+    for (Index l = state.links.row(i).begin; l < state.links.row(i).end; ++l)
+      EXPECT_EQ(state.particles.body[i], state.particles.body[state.links.links[l].j]);
+}
+
+TEST(Neighborhood, AsksTheFilterAboutEveryPair) {
+  State state = lattice_particles(Vec3(0.6, 0.2, 0.2), 6, 2, 2, 1000.0);
+  auto same_side = [](const Vec3& a, const Vec3& b) { return (a.x() < 0.3) == (b.x() < 0.3); };
+  prepare_state(state, {}, same_side);
+  for (Index i = 0; i < state.size(); ++i)
+    for (Index l = state.links.row(i).begin; l < state.links.row(i).end; ++l)
+      EXPECT_TRUE(same_side(state.particles.rest[i], state.particles.rest[state.links.links[l].j]));
+}
+
+TEST(Neighborhood, ClipsTheCountInTinyBodies) {
+  for (int n : {1, 2, 3}) {
+    State state = lattice_box(Vec3(0.1 * n, 0.1, 0.1), n, 1, 1, 1000.0);
+    EXPECT_EQ(state.links.size(), static_cast<std::size_t>(n));
+    EXPECT_EQ(state.links.links.empty(), n == 1);
+  }
+}
+
+TEST(Neighborhood, RefusesBadSettingsAndPositions) {
+  State state = lattice_particles(Vec3::Ones(), 3, 3, 3, 1000.0);
+  auto message = [&](const NeighborhoodSettings& settings) -> std::string {
+    try {
+      build_neighborhood(state.particles, state.bodies, settings);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(message({.neighbors = 2}), testing::HasSubstr("at least 3, found 2"));
+  EXPECT_THAT(message({.support = -1.0}), testing::HasSubstr("support must be positive"));
+  EXPECT_THAT(message({.support = std::nan("")}), testing::HasSubstr("support must be positive"));
+  state.particles.rest[4].y() = std::nan("");
+  EXPECT_THAT(message({}), testing::HasSubstr("particle 4"));
+}
+
+}  // namespace
+}  // namespace deforma
