@@ -6,10 +6,10 @@ namespace deforma {
 
 /// A pinhole camera.
 struct Camera {
-  Eigen::Vector3d eye = {3.0, -4.0, 2.0};     ///< [m]
-  Eigen::Vector3d target = {0.0, 0.0, 0.0};   ///< [m]
+  Eigen::Vector3d eye = {3.0, -4.0, 2.0};    ///< [m]
+  Eigen::Vector3d target = {0.0, 0.0, 0.0};  ///< [m]
   Eigen::Vector3d up = {0.0, 0.0, 1.0};
-  double field_of_view = 35.0;                ///< vertical [degrees]
+  double field_of_view = 35.0;  ///< vertical [degrees]
 };
 
 /// Looks at a box from `direction` (from the target to the eye) so that all of it is in the picture.

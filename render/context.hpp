@@ -8,8 +8,8 @@ namespace deforma {
 
 /// Which way to an OpenGL context to take.
 struct ContextRequest {
-  /// "auto" tries every EGL device in turn, then the surfaceless platform, then the default display; "device:N",
-  /// "surfaceless" and "default" take only that one.
+  /// "auto" tries every EGL device in turn, then the surfaceless platform, then the default display;
+  /// "device:N", "surfaceless" and "default" take only that one.
   std::string platform = "auto";
 };
 
@@ -25,7 +25,8 @@ struct ContextFacts {
 /// An OpenGL core context without a window, current on the thread that made it.
 class Context {
  public:
-  /// @throws std::runtime_error listing every attempt with its EGL error when none works; std::invalid_argument for a
+  /// @throws std::runtime_error listing every attempt with its EGL error when none works;
+  /// std::invalid_argument for a
   ///         platform name that is none of the above.
   explicit Context(const ContextRequest& request = {});
   ~Context();
@@ -33,6 +34,10 @@ class Context {
   Context& operator=(const Context&) = delete;
 
   const ContextFacts& facts() const;
+
+  /// Binds it to the calling thread, where another context may have been made since.
+  /// @throws std::runtime_error with the EGL error.
+  void make_current() const;
 
  private:
   struct Data;

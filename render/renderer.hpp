@@ -24,8 +24,8 @@ struct Look {
 
 /// One triangle surface in a frame.
 struct DrawnMesh {
-  std::span<const Eigen::Vector3d> points;                        ///< [m]
-  std::span<const Eigen::Vector3d> normals;                       ///< unit; may be empty when look.flat
+  std::span<const Eigen::Vector3d> points;   ///< [m]
+  std::span<const Eigen::Vector3d> normals;  ///< unit; may be empty when look.flat
   std::span<const std::array<std::uint32_t, 3>> triangles;
   Look look;
 };
@@ -70,7 +70,8 @@ struct RendererSettings {
 class Renderer {
  public:
   /// @throws std::invalid_argument for sizes that are not positive or above the driver's limit;
-  ///         std::runtime_error when no context can be had (each attempt is listed) or a shader does not compile.
+  ///         std::runtime_error when no context can be had (each attempt is listed) or a shader does not
+  ///         compile.
   Renderer(const RendererSettings& settings, const ContextRequest& request = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;

@@ -1,0 +1,144 @@
+#include "render/geometry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "render/shaders.hpp"
+
+namespace deforma {
+namespace {
+
+void check_look(const Look& look, const char* what, std::size_t number) {
+  if (!look.color.allFinite() || !(look.opacity >= 0.0f && look.opacity <= 1.0f) ||
+      !(look.roughness >= 0.0f && look.roughness <= 1.0f))
+    throw std::invalid_argument(
+        fmt::format("the look of {} {}: colour must be finite, opacity ({}) and roughness ({}) from 0 to 1",
+                    what, number, look.opacity, look.roughness));
+}
+
+void check_indices(const DrawnMesh& drawn, std::size_t number) {
+  std::uint32_t highest = 0;
+  for (const auto& triangle : drawn.triangles)
+    highest = std::max({highest, triangle[0], triangle[1], triangle[2]});
+  if (!drawn.triangles.empty() && highest >= drawn.points.size())
+    throw std::invalid_argument(
+        fmt::format("mesh {}: a triangle names point {} of {}", number, highest, drawn.points.size()));
+}
+
+void attribute(GLuint place, GLint size, GLsizei stride, std::size_t offset) {
+  glEnableVertexAttribArray(place);
+  glVertexAttribPointer(place, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
+}
+
+void store(GLenum target, const void* data, std::size_t bytes) {
+  glBufferData(target, static_cast<GLsizeiptr>(bytes), data, GL_STREAM_DRAW);
+}
+
+}  // namespace
+
+void UploadedMesh::draw() const {
+  glBindVertexArray(array.id());
+  glDrawElements(GL_TRIANGLES, corners, GL_UNSIGNED_INT, nullptr);
+}
+
+void UploadedSpheres::draw() const {
+  glBindVertexArray(array.id());
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+}
+
+SceneBounds Geometry::upload(const FrameContent& frame) {
+  SceneBounds bounds;
+  meshes_.resize(frame.meshes.size());
+  for (std::size_t i = 0; i < frame.meshes.size(); ++i) {
+    const Box box = upload_mesh(frame.meshes[i], meshes_[i], frame.camera, i);
+    bounds.content.add(box);
+    if (frame.meshes[i].look.opacity >= 1.0f) bounds.casters.add(box);
+  }
+  spheres_.resize(frame.spheres.size());
+  for (std::size_t i = 0; i < frame.spheres.size(); ++i) {
+    const Box box = upload_spheres(frame.spheres[i], spheres_[i], frame.camera, i);
+    bounds.content.add(box);
+    if (frame.spheres[i].look.opacity >= 1.0f) bounds.casters.add(box);
+  }
+  if (frame.ground) {
+    bounds.has_ground = true;
+    bounds.ground = frame.ground->height - frame.camera.target.z();
+  }
+  return bounds;
+}
+
+Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Camera& camera,
+                          std::size_t number) {
+  const bool flat = drawn.look.flat;
+  if (drawn.normals.size() != drawn.points.size() && !(flat && drawn.normals.empty()))
+    throw std::invalid_argument(
+        fmt::format("mesh {}: {} points with {} normals; as many are needed, or none for a flat look", number,
+                    drawn.points.size(), drawn.normals.size()));
+  check_look(drawn.look, "mesh", number);
+  check_indices(drawn, number);
+
+  Box box;
+  staging_.resize(6 * drawn.points.size());
+  float* out = staging_.data();
+  for (std::size_t i = 0; i < drawn.points.size(); ++i) {
+    const Eigen::Vector3d point = drawn.points[i] - camera.target;
+    if (!point.allFinite())
+      throw std::invalid_argument(fmt::format("mesh {}: point {} is not finite", number, i));
+    box.add(point);
+    Eigen::Map<Eigen::Vector3f>(out) = point.cast<float>();
+    Eigen::Map<Eigen::Vector3f>(out + 3) = drawn.normals.empty()
+                                               ? Eigen::Vector3f(Eigen::Vector3f::UnitZ())
+                                               : Eigen::Vector3f(drawn.normals[i].cast<float>());
+    out += 6;
+  }
+  glBindVertexArray(mesh.array.id());
+  glBindBuffer(GL_ARRAY_BUFFER, mesh.vertices.id());
+  store(GL_ARRAY_BUFFER, staging_.data(), staging_.size() * sizeof(float));
+  attribute(ShaderPlaces::position, 3, 6 * sizeof(float), 0);
+  attribute(ShaderPlaces::normal, 3, 6 * sizeof(float), 3 * sizeof(float));
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh.indices.id());
+  store(GL_ELEMENT_ARRAY_BUFFER, drawn.triangles.data(), drawn.triangles.size_bytes());
+  mesh.corners = static_cast<GLsizei>(3 * drawn.triangles.size());
+  mesh.look = drawn.look;
+  mesh.distance = box.empty() ? 0.0 : (box.center() - (camera.eye - camera.target)).norm();
+  return box;
+}
+
+Box Geometry::upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres, const Camera& camera,
+                             std::size_t number) {
+  if (!(drawn.radius > 0.0) || !std::isfinite(drawn.radius))
+    throw std::invalid_argument(
+        fmt::format("spheres {}: the radius must be positive, not {}", number, drawn.radius));
+  check_look(drawn.look, "spheres", number);
+  std::vector<Eigen::Vector3d> centers;
+  centers.reserve(drawn.centers.size());
+  Box box;
+  for (const Eigen::Vector3d& center : drawn.centers) {
+    centers.push_back(center - camera.target);
+    if (!centers.back().allFinite())
+      throw std::invalid_argument(
+          fmt::format("spheres {}: center {} is not finite", number, centers.size() - 1));
+    box.add(centers.back(), drawn.radius);
+  }
+  const Eigen::Vector3d eye = camera.eye - camera.target;
+  if (drawn.look.opacity < 1.0f)  // seen through each other: the far ones first
+    std::stable_sort(centers.begin(), centers.end(), [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+      return (a - eye).squaredNorm() > (b - eye).squaredNorm();
+    });
+  staging_.resize(3 * centers.size());
+  for (std::size_t i = 0; i < centers.size(); ++i)
+    Eigen::Map<Eigen::Vector3f>(staging_.data() + 3 * i) = centers[i].cast<float>();
+  glBindVertexArray(spheres.array.id());
+  glBindBuffer(GL_ARRAY_BUFFER, spheres.centers.id());
+  store(GL_ARRAY_BUFFER, staging_.data(), staging_.size() * sizeof(float));
+  attribute(ShaderPlaces::position, 3, 3 * sizeof(float), 0);
+  glVertexAttribDivisor(ShaderPlaces::position, 1);
+  spheres.count = static_cast<GLsizei>(centers.size());
+  spheres.radius = static_cast<float>(drawn.radius);
+  spheres.look = drawn.look;
+  return box;
+}
+
+}  // namespace deforma

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "render/gl.hpp"
+#include "render/renderer.hpp"
+#include "render/scene_fit.hpp"
+
+namespace deforma {
+
+/// A surface in the driver's memory.
+struct UploadedMesh {
+  gl::VertexArray array;
+  gl::Buffer vertices;  ///< position and normal, 6 floats
+  gl::Buffer indices;
+  GLsizei corners = 0;
+  Look look;
+  double distance = 0.0;  ///< from the eye to its middle [m]
+
+  void draw() const;
+};
+
+/// Spheres in the driver's memory; one quad each.
+struct UploadedSpheres {
+  gl::VertexArray array;
+  gl::Buffer centers;  ///< 3 floats
+  GLsizei count = 0;
+  float radius = 0.0f;  ///< [m]
+  Look look;
+
+  void draw() const;
+};
+
+/// The frame's bodies, uploaded in single precision relative to the camera's target: a body far from the
+/// origin loses nothing. Buffers are kept from frame to frame.
+class Geometry {
+ public:
+  /// @throws std::invalid_argument naming the mesh and what is wrong with it.
+  SceneBounds upload(const FrameContent& frame);
+
+  const std::vector<UploadedMesh>& meshes() const { return meshes_; }
+  const std::vector<UploadedSpheres>& spheres() const { return spheres_; }
+
+ private:
+  Box upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Camera& camera, std::size_t number);
+  Box upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres, const Camera& camera,
+                     std::size_t number);
+
+  std::vector<UploadedMesh> meshes_;
+  std::vector<UploadedSpheres> spheres_;
+  std::vector<float> staging_;
+};
+
+}  // namespace deforma

@@ -1,0 +1,273 @@
+#include "render/shaders.hpp"
+
+#include "render/shaders_common.hpp"
+
+namespace deforma {
+namespace {
+
+const char* const mesh_vertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+out vec3 p;
+out vec3 smooth_normal;
+void main() {
+  p = position;
+  smooth_normal = normal;
+  gl_Position = clip * vec4(position, 1.0);
+}
+)";
+
+const char* const mesh_surface = R"(
+uniform vec4 color;  // linear; opacity
+uniform vec2 finish;  // roughness; 1 for one normal per triangle
+in vec3 p;
+in vec3 smooth_normal;
+out vec4 result;
+
+vec3 surface_normal() {
+  vec3 n = finish.y != 0.0 ? cross(dFdx(p), dFdy(p)) : (gl_FrontFacing ? smooth_normal : -smooth_normal);
+  return normalize(n);
+}
+)";
+
+const char* const mesh_fragment = R"(
+void main() {
+  vec3 shade = body_color(color.rgb, finish.x, p, surface_normal());
+  result = vec4(dither(tone_map(shade), gl_FragCoord.xy), 1.0);
+}
+)";
+
+// A thin wall: the way through it grows as 1 / cos, so that it thickens and reflects towards its outline.
+const char* const glass_fragment = R"(
+void main() {
+  vec3 n = surface_normal();
+  vec3 v = normalize(eye.xyz - p);
+  float nv = clamp(dot(n, v), 0.05, 1.0);
+  float mirror = fresnel(nv) * (gl_FrontFacing ? 1.0 : 0.6);
+  float body = 1.0 - pow(1.0 - color.a, 1.0 / max(nv, 0.16));
+  vec3 from_floor = floor_light(p);
+  vec3 scattered = color.rgb * (mix(from_floor, vec3(key.w), 0.5 + 0.5 * n.z)
+                                + key.rgb * (0.25 * inverse_pi * (1.0 + dot(n, key_to.xyz))));
+  float alpha = max(finish.x * finish.x, 0.01);
+  vec3 shade = scattered * body * (1.0 - mirror) + mirror * studio(reflect(-v, n), finish.x, from_floor)
+             + directional(vec3(0.0), alpha, n, v, nv, key_to.xyz, key.rgb)
+             + directional(vec3(0.0), alpha, n, v, nv, rim_to.xyz, rim.rgb);
+  float covered = 1.0 - (1.0 - body) * (1.0 - mirror);
+  result = vec4(tone_map(shade / covered) * covered, covered);  // premultiplied
+}
+)";
+
+// A square around the cone that touches the sphere from the eye, across the way to its center.
+const char* const sphere_vertex = R"(
+layout(location = 0) in vec3 position;
+uniform float radius;
+out vec3 way;          // from the eye
+flat out vec3 center;  // from the eye
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+  center = position - eye.xyz;
+  float distance = length(center);
+  vec3 axis = center / distance;
+  vec3 u = normalize(cross(axis, abs(axis.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
+  float size = radius / sqrt(max(1.0 - radius * radius / (distance * distance), 1e-3));
+  way = center + size * (corner.x * u + corner.y * cross(axis, u));
+  gl_Position = clip * vec4(eye.xyz + way, 1.0);
+}
+)";
+
+// The outline is decided at each sample of the pixel, from the slope of (r^2 - distance^2) of ray and center.
+const char* const sphere_fragment = R"(
+uniform vec4 color;
+uniform vec2 finish;
+uniform float radius;
+in vec3 way;
+flat in vec3 center;
+out vec4 result;
+void main() {
+  vec3 ray = normalize(way);
+  float along = dot(ray, center);
+  vec3 miss = along * ray - center;
+  float inside = radius * radius - dot(miss, miss);
+#ifdef SAMPLE_MASK
+  vec2 slope = vec2(dFdx(inside), dFdy(inside));
+  int mask = 0;
+  for (int i = 0; i < int(viewport.w); ++i)
+    if (inside + dot(slope, samples[i].xy) >= 0.0) mask |= 1 << i;
+  if (mask == 0) discard;
+  gl_SampleMask[0] = mask;
+#else
+  if (inside < 0.0) discard;
+#endif
+  vec3 hit = ray * (along - sqrt(max(inside, 0.0)));
+  vec3 p = eye.xyz + hit;
+  vec4 c = clip * vec4(p, 1.0);
+  gl_FragDepth = 0.5 + 0.5 * c.z / c.w;
+  vec3 shade = body_color(color.rgb, finish.x, p, normalize(hit - center));
+  result = vec4(dither(tone_map(shade), gl_FragCoord.xy) * color.a, color.a);  // premultiplied
+}
+)";
+
+const char* const ground_vertex = R"(
+uniform float drop;  // below its true height, so that what stands on it wins [m]
+out vec2 spot;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+  spot = ground.yz + corner * ground.w;
+  gl_Position = clip * vec4(spot, ground.x - drop, 1.0);
+}
+)";
+
+const char* const ground_fragment = R"(
+uniform sampler2D ground_light;
+in vec2 spot;
+out vec4 result;
+void main() {
+  vec2 share = texture(ground_light, (spot - region.xy) * region.zw).rg;
+  share = bounce.w == 0.0 ? vec2(1.0) : share;
+  vec3 shade = bounce.rgb * (key.rgb * (max(key_to.z, 0.0) * share.r * inverse_pi) + key.w * share.g);
+  float away = distance(spot, ground.yz) / ground.w;
+  float fade = smoothstep(0.12, 1.0, away);
+  fade = 1.0 - (1.0 - fade) * (1.0 - fade);
+  vec3 shown = mix(tone_map(shade), backdrop_color(gl_FragCoord.xy), fade);
+  result = vec4(dither(shown, gl_FragCoord.xy), 1.0);
+}
+)";
+
+// One triangle over the picture, behind everything.
+const char* const backdrop_vertex = R"(
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
+  gl_Position = vec4(corner, 1.0, 1.0);
+}
+)";
+
+const char* const backdrop_fragment = R"(
+out vec4 result;
+void main() { result = vec4(dither(backdrop_color(gl_FragCoord.xy), gl_FragCoord.xy), 1.0); }
+)";
+
+const char* const mesh_depth_vertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 projection;
+void main() { gl_Position = projection * vec4(position, 1.0); }
+)";
+
+const char* const empty_fragment = R"(
+void main() {}
+)";
+
+// across, up: the projection's axes; the third looks back along it.
+const char* const sphere_depth_vertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 projection;
+uniform mat3 axes;
+uniform float radius;
+out vec2 spot;
+flat out float rise;
+void main() {
+  spot = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+  vec4 front = projection * vec4(axes[2] * radius, 0.0);
+  rise = 0.5 * front.z;
+  gl_Position = projection * vec4(position + radius * (axes[0] * spot.x + axes[1] * spot.y), 1.0);
+}
+)";
+
+const char* const sphere_depth_fragment = R"(
+in vec2 spot;
+flat in float rise;
+void main() {
+  float inside = 1.0 - dot(spot, spot);
+  if (inside < 0.0) discard;
+  gl_FragDepth = gl_FragCoord.z + rise * sqrt(inside);
+}
+)";
+
+const char* const ground_light_vertex = R"(
+out vec2 place;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
+  place = 0.5 + 0.5 * corner;
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+
+// Key light: percentage-closer soft shadows (Fernando 2005): the penumbra is as wide as the blockers are far,
+// times the light's width. The receiver is a plane, so its depth under every tap is known and no bias is
+// needed. Sky: a horizontal patch at height h over a ring from r1 to r2 takes r2^2/(r2^2+h^2) -
+// r1^2/(r1^2+h^2) of the cosine-weighted sky (the form factor of a disc); rings of taps find h in the map of
+// undersides.
+const char* const ground_light_fragment = R"(
+uniform sampler2DShadow shadow_map;
+uniform sampler2D shadow_depths;
+uniform sampler2D underside;
+in vec2 place;
+out vec4 result;
+const mat2 golden = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
+
+float key_share(vec2 spot) {
+  vec3 s = (shadow * vec4(spot, ground.x, 1.0)).xyz;
+  float reach = blur.w * clamp(s.z, 0.0, 2.0) + 2.0 * plane.z;
+  float blockers = 0.0, height = 0.0;
+  vec2 way = vec2(1.0, 0.0);
+  for (int i = 0; i < 20; ++i) {
+    way = golden * way;
+    vec2 tap = way * (reach * sqrt((float(i) + 0.5) / 20.0));
+    float gap = s.z + dot(plane.xy, tap) - textureLod(shadow_depths, s.xy + tap, 0.0).r;
+    blockers += gap > 0.0 ? 1.0 : 0.0;
+    height += max(gap, 0.0);
+  }
+  float radius = max(blur.w * height / max(blockers, 1.0), 1.5 * plane.z);
+  int taps = blockers == 0.0 ? 0 : 32;
+  float lit = 0.0;
+  for (int i = 0; i < taps; ++i) {
+    way = golden * way;
+    vec2 tap = way * (radius * sqrt((float(i) + 0.5) / 32.0));
+    lit += textureLod(shadow_map, vec3(s.xy + tap, min(s.z + dot(plane.xy, tap), 1.0)), 0.0);
+  }
+  return taps == 0 ? 1.0 : lit / float(taps);
+}
+
+float sky_share() {
+  float covered = 0.0;
+  float inner = 0.0;
+  float outer = 0.025 * rim_to.w;
+  vec2 way = vec2(1.0, 0.0);
+  for (int ring = 0; ring < 6; ++ring) {
+    float r = 0.5 * (inner + outer);
+    for (int i = 0; i < 10; ++i) {
+      way = golden * way;
+      float h = textureLod(underside, place + way * r * region.zw, 0.0).r;
+      float h2 = h * h * plane.w * plane.w + 1e-9;
+      covered += h >= 1.0 ? 0.0 : outer * outer / (outer * outer + h2) - inner * inner / (inner * inner + h2);
+    }
+    inner = outer;
+    outer *= 1.9;
+  }
+  return clamp(1.0 - covered / 10.0, 0.0, 1.0);
+}
+
+void main() {
+  vec2 spot = region.xy + place / region.zw;
+  vec2 edge = smoothstep(vec2(0.0), vec2(0.08), min(place, 1.0 - place));
+  float inside = edge.x * edge.y;
+  result = vec4(mix(1.0, key_share(spot), inside), mix(1.0, sky_share(), inside), 0.0, 1.0);
+}
+)";
+
+}  // namespace
+
+ShaderSources::ShaderSources(bool sample_mask) {
+  const std::string head = shader_head(sample_mask);
+  const std::string color = head + shader_color();
+  const std::string light = color + shader_light();
+  mesh = {head + mesh_vertex, light + mesh_surface + mesh_fragment};
+  glass = {head + mesh_vertex, light + mesh_surface + glass_fragment};
+  sphere = {head + sphere_vertex, light + sphere_fragment};
+  ground = {head + ground_vertex, color + ground_fragment};
+  backdrop = {head + backdrop_vertex, color + backdrop_fragment};
+  mesh_depth = {head + mesh_depth_vertex, head + empty_fragment};
+  sphere_depth = {head + sphere_depth_vertex, head + sphere_depth_fragment};
+  this->ground_light = {head + ground_light_vertex, head + ground_light_fragment};
+}
+
+}  // namespace deforma

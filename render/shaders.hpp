@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+namespace deforma {
+
+/// The places that all programs share.
+struct ShaderPlaces {
+  static constexpr unsigned frame_block = 0;
+  static constexpr int shadow_map = 0;     ///< compared by the hardware
+  static constexpr int shadow_depths = 1;  ///< the same texture, its plain depths
+  static constexpr int underside = 2;      ///< heights of what hangs above the ground
+  static constexpr int ground_light =
+      3;  ///< baked: share of the light and of the sky that reaches the ground
+  static constexpr unsigned position = 0;
+  static constexpr unsigned normal = 1;
+};
+
+/// GLSL sources of one program.
+struct ShaderSource {
+  std::string vertex;
+  std::string fragment;
+};
+
+/// Most multisampling samples that a sphere's outline is resolved for.
+constexpr int max_samples = 8;
+
+/// @param sample_mask whether the driver has GLSL 4.00, whose fragments choose their samples
+struct ShaderSources {
+  explicit ShaderSources(bool sample_mask);
+  ShaderSource mesh;          ///< lit triangles
+  ShaderSource glass;         ///< translucent triangles
+  ShaderSource sphere;        ///< lit spheres, one quad each
+  ShaderSource ground;        ///< the floor
+  ShaderSource backdrop;      ///< what lies behind everything
+  ShaderSource mesh_depth;    ///< triangles into a depth map by a parallel projection
+  ShaderSource sphere_depth;  ///< spheres into a depth map by a parallel projection
+  ShaderSource ground_light;  ///< light and occlusion of the floor, once per texel
+};
+
+}  // namespace deforma

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+namespace deforma {
+
+/// The first lines of every shader: version, the uniform block `Frame`.
+std::string shader_head(bool sample_mask);
+
+/// Tone map, dither and the picture's backdrop, for everything that writes colour.
+std::string shader_color();
+
+/// Light that reaches bodies, and what they make of it. Needs shader_color.
+std::string shader_light();
+
+}  // namespace deforma
