@@ -6,17 +6,10 @@
 #include <Eigen/Geometry>
 
 #include "fixtures.hpp"
-#include "sim/effects/registry.hpp"
+#include "gradient_check.hpp"
 
 namespace deforma {
 namespace {
-
-Parameters given(std::string_view effect,
-                 std::vector<std::pair<std::string_view, SettingValue>> values = {}) {
-  Parameters parameters(find_effect(effect).settings);
-  for (auto& [key, value] : values) parameters.set(key, std::move(value));
-  return parameters;
-}
 
 std::vector<EffectRequest> elastic_requests(double young = 1e6, double poisson = 0.3) {
   return {{"elastic",
