@@ -81,17 +81,16 @@ Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Came
 
   Box box;
   staging_.resize(6 * drawn.points.size());
-  float* out = staging_.data();
   for (std::size_t i = 0; i < drawn.points.size(); ++i) {
     const Eigen::Vector3d point = drawn.points[i] - camera.target;
     if (!point.allFinite())
       throw std::invalid_argument(fmt::format("mesh {}: point {} is not finite", number, i));
     box.add(point);
-    Eigen::Map<Eigen::Vector3f>(out) = point.cast<float>();
-    Eigen::Map<Eigen::Vector3f>(out + 3) = drawn.normals.empty()
-                                               ? Eigen::Vector3f(Eigen::Vector3f::UnitZ())
-                                               : Eigen::Vector3f(drawn.normals[i].cast<float>());
-    out += 6;
+    const Eigen::Vector3d normal = drawn.normals.empty() ? Eigen::Vector3d(0.0, 0.0, 1.0) : drawn.normals[i];
+    Eigen::Map<Eigen::Vector3f> out_point(staging_.data() + 6 * i);
+    Eigen::Map<Eigen::Vector3f> out_normal(staging_.data() + 6 * i + 3);
+    out_point = point.cast<float>();
+    out_normal = normal.cast<float>();
   }
   glBindVertexArray(mesh.array.id());
   glBindBuffer(GL_ARRAY_BUFFER, mesh.vertices.id());
@@ -128,8 +127,10 @@ Box Geometry::upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres
       return (a - eye).squaredNorm() > (b - eye).squaredNorm();
     });
   staging_.resize(3 * centers.size());
-  for (std::size_t i = 0; i < centers.size(); ++i)
-    Eigen::Map<Eigen::Vector3f>(staging_.data() + 3 * i) = centers[i].cast<float>();
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    Eigen::Map<Eigen::Vector3f> out(staging_.data() + 3 * i);
+    out = centers[i].cast<float>();
+  }
   glBindVertexArray(spheres.array.id());
   glBindBuffer(GL_ARRAY_BUFFER, spheres.centers.id());
   store(GL_ARRAY_BUFFER, staging_.data(), staging_.size() * sizeof(float));
