@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/types.hpp"
+
+namespace deforma {
+
+/// The spring that keeps surfaces apart: linear at first, stiffer the deeper they are,
+///     E = k x^2/2 (1 + (x/a)^2/2),   a = `stiffening` spacings,
+/// so that gentle contact costs no small steps and a violent one, whose steps its speed makes small anyway,
+/// stays shallow.
+struct Penalty {
+  static constexpr double stiffening = 0.25;
+
+  double stiffness;  ///< k at the surface [N/m]
+  double spacing;    ///< of the particles [m]
+
+  double bend(double depth) const {
+    const double ratio = depth / (stiffening * spacing);
+    return ratio * ratio;
+  }
+  double energy(double depth) const {
+    return 0.5 * stiffness * depth * depth * (1.0 + 0.5 * bend(depth));
+  }                                                                                     // [J]
+  double force(double depth) const { return stiffness * depth * (1.0 + bend(depth)); }  // [N]
+  double stiffening_at(double depth) const { return 1.0 + 3.0 * bend(depth); }          ///< E'' over k
+};
+
+/// What part of the penalty force acts while the surfaces move at `velocity` [m/s] (positive: apart).
+///
+/// All of it while they close, e^2 of it while they separate: then a point mass leaves with e^2 of the energy
+/// it came with, whatever the step. The change is spread over velocities up to `blend` [m/s], so that what
+/// rests is damped and does not chatter. Never more than 1: it can only take energy.
+inline double restitution_factor(double velocity, double restitution, double blend) {
+  if (velocity <= 0.0) return 1.0;
+  const double lost = 1.0 - restitution * restitution;
+  return velocity < blend ? 1.0 - lost * velocity / blend : 1.0 - lost;
+}
+
+/// A sticking contact's tangential spring: how far it has been stretched since it took hold.
+struct Slip {
+  Index partner;     ///< what is touched: an obstacle, or a body
+  Vec3 normal;       ///< when last seen
+  Vec3 stretch;      ///< tangential [m]
+  double stiffness;  ///< of the spring [N/m]
+
+  double energy() const { return 0.5 * stiffness * stretch.squaredNorm(); }  // [J]
+};
+
+/// Coulomb friction: spring and damper in parallel, and never more than `limit` = mu times the normal force.
+/// When they would give more, the contact slides and the spring is let out to what the limit can hold beside
+/// the damper. Source: Cundall & Strack, A discrete numerical model for granular assemblies (1979).
+/// @param slip     its stretch already follows the motion so far; projected and shortened here
+/// @param velocity tangential, of the vertex relative to what it touches [m/s]
+/// @param damping  [N s/m]
+/// @return the force on the vertex [N]
+inline Vec3 friction_force(Slip& slip, const Vec3& velocity, double damping, double limit) {
+  slip.stretch -= slip.normal * slip.normal.dot(slip.stretch);
+  const Vec3 trial = -slip.stiffness * slip.stretch - damping * velocity;
+  const double size = trial.norm();
+  if (size <= limit) return trial;
+  const double held = std::max(0.0, limit - damping * velocity.norm());
+  slip.stretch = -held / (slip.stiffness * size) * trial;  // never longer than before
+  return limit / size * trial;
+}
+
+}  // namespace deforma
