@@ -1,0 +1,151 @@
+#include "pipeline/build.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "pipeline/build_body.hpp"
+#include "pipeline/overlap.hpp"
+#include "pipeline/sight.hpp"
+#include "pipeline/user_error.hpp"
+#include "sim/kernel.hpp"
+
+namespace deforma {
+
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180.0;
+
+Curve<Vec3> in_radians(const Curve<Vec3>& degrees) {
+  std::vector<Curve<Vec3>::Key> keys = degrees.keys();
+  for (auto& [time, rotation] : keys) rotation *= radians_per_degree;
+  return Curve<Vec3>(std::move(keys));
+}
+
+std::vector<Obstacle> make_obstacles(const Scene& scene) {
+  std::vector<Obstacle> obstacles;
+  for (const SceneObstacle& o : scene.obstacles) {
+    try {
+      obstacles.push_back(
+          {o.name, o.info->make(o.parameters, o.mesh_file), o.position, in_radians(o.rotation), o.friction});
+    } catch (const std::exception& error) {
+      throw UserError(fmt::format("{}: {}", o.where, error.what()));
+    }
+  }
+  if (scene.ground && scene.ground->solid)
+    obstacles.push_back(
+        {"ground", PlaneShape{}, Vec3(0, 0, scene.ground->height), Vec3(0, 0, 0), scene.ground->friction});
+  return obstacles;
+}
+
+/// The tables of one effect that hold for a body: its own, else the world's unless it refuses them.
+std::vector<const SceneEffect*> tables_of(const Scene& scene, const SceneBody& body, const EffectInfo& info) {
+  std::vector<const SceneEffect*> tables;
+  for (const SceneEffect& effect : body.effects)
+    if (effect.info->name == info.name) tables.push_back(&effect);
+  bool refused = std::find(body.without.begin(), body.without.end(), info.name) != body.without.end();
+  if (!tables.empty() || refused) return tables;
+  for (const SceneEffect& effect : scene.world)
+    if (effect.info->name == info.name) tables.push_back(&effect);
+  return tables;
+}
+
+std::vector<std::unique_ptr<Effect>> make_effects(const Scene& scene, const State& state) {
+  std::vector<std::unique_ptr<Effect>> effects;
+  for (const EffectInfo& info : effect_registry()) {
+    std::vector<EffectTable> tables;
+    std::string where;
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+      for (const SceneEffect* effect : tables_of(scene, scene.bodies[b], info)) {
+        tables.push_back({static_cast<Index>(b), effect->parameters});
+        if (where.empty()) where = effect->where;
+      }
+    if (tables.empty()) continue;
+    try {
+      effects.push_back(info.make(state, tables));
+    } catch (const std::invalid_argument& error) {
+      throw UserError(fmt::format("{}: {}", where, error.what()));
+    }
+  }
+  return effects;
+}
+
+void warn_of_missing_contact(const Scene& scene, const State& state, std::vector<std::string>& warnings) {
+  if (state.obstacles.empty()) return;
+  const EffectInfo& contact = find_effect("contact");
+  for (const SceneBody& body : scene.bodies)
+    if (tables_of(scene, body, contact).empty())
+      warnings.push_back(fmt::format("{}: falls through every obstacle: it has no 'contact'", body.name));
+}
+
+std::vector<BodyFacts> facts_of(const State& state) {
+  std::vector<BodyFacts> facts;
+  for (const Body& body : state.bodies) {
+    BodyFacts f{body.name, body.particles.size(), body.vertices.size(), body.triangles.size()};
+    f.spacing = body.spacing;
+    for (Index i = body.particles.begin; i < body.particles.end; ++i) {
+      f.mass += state.particles.mass[i];
+      f.volume += state.particles.volume[i];
+      f.links += state.links.row(i).size();
+    }
+    f.links /= 2;  // rows hold every pair in both directions
+    facts.push_back(f);
+  }
+  return facts;
+}
+
+SolverSettings solver_settings(const SolverSpec& spec) {
+  return {spec.integrator == "velocity_verlet" ? Integrator::velocity_verlet : Integrator::symplectic_euler,
+          spec.step_fraction, spec.max_step};
+}
+
+}  // namespace
+
+Mat3 rotation_from_degrees(const Vec3& degrees) {
+  double angle = degrees.norm();
+  if (angle == 0.0) return Mat3::Identity();
+  return Eigen::AngleAxisd(angle * radians_per_degree, degrees / angle).toRotationMatrix();
+}
+
+World build(const Scene& scene) {
+  World world;
+  State state;
+  std::vector<Mesh> meshes;
+  for (const SceneBody& body : scene.bodies) {
+    meshes.push_back(make_body_mesh(body, world.warnings));
+    append_body(state, body, meshes.back(), world.warnings);
+  }
+  state.obstacles = make_obstacles(scene);
+
+  std::size_t sampled = state.particles.size();
+  auto sight = std::make_shared<const Sight>(state, meshes);
+  LinkFilter filter;
+  if (sight->needed()) filter = [sight](const Vec3& a, const Vec3& b) { return (*sight)(a, b); };
+  prepare_state(state, {kernel_from_name(scene.solver.kernel), scene.solver.neighbors, scene.solver.support},
+                filter, filter);
+  if (state.particles.size() < sampled)
+    world.warnings.push_back(
+        fmt::format("{} particles lay exactly on others and were merged", sampled - state.particles.size()));
+  if (std::size_t thin = state.fit.count_below(3); thin > 0)
+    world.warnings.push_back(
+        fmt::format("{} of {} particles have neighbours on one line or plane only, or none: they resist less",
+                    thin, state.size()));
+  warn_of_missing_contact(scene, state, world.warnings);
+  warn_of_overlaps(state, meshes, world.warnings);
+
+  world.bodies = facts_of(state);
+  std::vector<std::unique_ptr<Effect>> effects = make_effects(scene, state);
+  try {
+    world.solver =
+        std::make_unique<Solver>(std::move(state), std::move(effects), solver_settings(scene.solver));
+  } catch (const std::invalid_argument& error) {
+    throw UserError(fmt::format("{}: {}", scene.file.string(), error.what()));
+  }
+  return world;
+}
+
+}  // namespace deforma

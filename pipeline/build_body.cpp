@@ -1,0 +1,101 @@
+#include "pipeline/build_body.hpp"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <utility>
+
+#include "assets/import.hpp"
+#include "assets/sample.hpp"
+#include "pipeline/build.hpp"
+#include "pipeline/user_error.hpp"
+
+namespace deforma {
+
+namespace {
+
+Mesh read_or_make(const SceneBody& body, std::vector<std::string>& warnings) {
+  try {
+    if (body.shape) return body.shape->info->make(body.shape->parameters);
+    Imported imported = import_mesh(body.mesh_file);
+    for (const std::string& warning : imported.warnings)
+      warnings.push_back(fmt::format("{}: {}", body.name, warning));
+    return std::move(imported.mesh);
+  } catch (const std::exception& error) {
+    throw UserError(fmt::format("{}: {}", body.mesh_where, error.what()));
+  }
+}
+
+void refine(Mesh& mesh, const SceneBody& body) {
+  subdivide(mesh, body.subdivide);
+  if (!body.surface_particles) return;
+  while (mesh.points.size() < static_cast<std::size_t>(*body.surface_particles)) subdivide(mesh, 1);
+}
+
+Sampling sample(const SceneBody& body, const Mesh& mesh, std::vector<std::string>& warnings) {
+  SamplingSettings settings;
+  settings.particles = static_cast<std::size_t>(body.particles.value_or(0));
+  settings.spacing = body.spacing.value_or(0.0);
+  settings.arrangement = body.sampling == "lattice"         ? Arrangement::lattice
+                         : body.sampling == "body_centered" ? Arrangement::body_centered
+                                                            : Arrangement::blue_noise;
+  try {
+    Sampling sampling = sample_interior(mesh, settings);
+    for (const std::string& warning : sampling.warnings)
+      warnings.push_back(fmt::format("{}: {}", body.name, warning));
+    return sampling;
+  } catch (const std::exception& error) {
+    throw UserError(fmt::format("{}: {}", body.where, error.what()));
+  }
+}
+
+}  // namespace
+
+Mesh make_body_mesh(const SceneBody& body, std::vector<std::string>& warnings) {
+  Mesh mesh = read_or_make(body, warnings);
+  transform(mesh, rotation_from_degrees(body.rotation), body.scale, body.position);
+  if (inspect(mesh).volume < 0.0) {
+    warnings.push_back(fmt::format("{}: the mesh is inside-out; its triangles are turned round", body.name));
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  refine(mesh, body);
+  return mesh;
+}
+
+void append_body(State& state, const SceneBody& body, const Mesh& mesh, std::vector<std::string>& warnings) {
+  Sampling sampling = sample(body, mesh, warnings);
+  Particles& particles = state.particles;
+  Surface& surface = state.surface;
+  auto index = static_cast<Index>(state.bodies.size());
+  auto first_particle = static_cast<Index>(particles.size());
+  auto first_vertex = static_cast<Index>(surface.size());
+  auto first_triangle = static_cast<Index>(surface.triangles.size());
+
+  double mass = 0.0;
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t i = 0; i < sampling.points.size(); ++i) {
+    mass += body.density * sampling.volumes[i];
+    moment += body.density * sampling.volumes[i] * sampling.points[i];
+  }
+  Vec3 center = moment / mass;
+  for (std::size_t i = 0; i < sampling.points.size(); ++i) {
+    particles.rest.push_back(sampling.points[i]);
+    particles.displacement.push_back(Vec3::Zero());
+    particles.velocity.push_back(body.velocity + body.angular_velocity.cross(sampling.points[i] - center));
+    particles.mass.push_back(body.density * sampling.volumes[i]);
+    particles.volume.push_back(sampling.volumes[i]);
+    particles.body.push_back(index);
+  }
+  surface.rest.insert(surface.rest.end(), mesh.points.begin(), mesh.points.end());
+  surface.body.resize(surface.rest.size(), index);
+  for (const Triangle& t : mesh.triangles)
+    surface.triangles.push_back({t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
+
+  state.bodies.push_back({.name = body.name,
+                          .particles = {first_particle, static_cast<Index>(particles.size())},
+                          .vertices = {first_vertex, static_cast<Index>(surface.size())},
+                          .triangles = {first_triangle, static_cast<Index>(surface.triangles.size())},
+                          .spacing = sampling.spacing});
+}
+
+}  // namespace deforma

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "assets/mesh.hpp"
+#include "pipeline/scene.hpp"
+#include "sim/state.hpp"
+
+namespace deforma {
+
+/// The surface of a body where the scene puts it [m], as fine as the scene asks, outside out.
+/// @throws UserError with the place in the scene, when the mesh cannot be read or the shape not be made.
+Mesh make_body_mesh(const SceneBody& body, std::vector<std::string>& warnings);
+
+/// Fills the mesh with particles and appends body, particles and surface to the state.
+/// @throws UserError with the place in the scene, when the mesh cannot be sampled.
+void append_body(State& state, const SceneBody& body, const Mesh& mesh, std::vector<std::string>& warnings);
+
+}  // namespace deforma

@@ -1,0 +1,108 @@
+#include "pipeline/drawing.hpp"
+
+#include "pipeline/obstacle_mesh.hpp"
+
+namespace deforma {
+
+namespace {
+
+/// How much of the surface is left to see when the particles inside it are shown too.
+constexpr float veil = 0.25f;
+/// A particle's ball is a little smaller than the cell it stands for.
+constexpr double ball_radius = 0.42;
+
+Look look_of(const LookSpec& spec) {
+  return {spec.color.cast<float>(), static_cast<float>(spec.opacity), static_cast<float>(spec.roughness),
+          spec.flat};
+}
+
+bool draws_surface(const Scene& scene) { return scene.output.view != "particles"; }
+bool draws_particles(const Scene& scene) { return scene.output.view != "surface"; }
+
+}  // namespace
+
+Snapshot take_snapshot(const Scene& scene, const Solver& solver, int frame) {
+  Snapshot snapshot{frame, (frame - 1) / scene.fps, {}, {}};
+  const State& state = solver.state();
+  if (draws_surface(scene)) {
+    snapshot.points.resize(state.surface.size());
+    solver.deform(snapshot.points);
+  }
+  if (draws_particles(scene)) {
+    snapshot.particles.reserve(state.size());
+    for (std::size_t i = 0; i < state.size(); ++i) snapshot.particles.push_back(state.particles.position(i));
+  }
+  return snapshot;
+}
+
+Drawing::Drawing(const Scene& scene, const State& state) : scene_(scene), state_(state) {
+  camera_ = {*scene.camera.position, *scene.camera.target, scene.camera.up, scene.camera.field_of_view};
+  light_.direction = scene.light.direction;
+  light_.intensity = static_cast<float>(scene.light.intensity);
+  light_.ambient = static_cast<float>(scene.light.ambient);
+  if (scene.ground) ground_ = {scene.ground->height, scene.ground->color.cast<float>()};
+
+  for (const Body& body : state.bodies) {
+    std::vector<Triangle>& own = triangles_.emplace_back();
+    for (Index t = body.triangles.begin; t < body.triangles.end; ++t) {
+      Triangle triangle = state.surface.triangles[t];
+      for (Index& vertex : triangle) vertex -= body.vertices.begin;
+      own.push_back(triangle);
+    }
+  }
+
+  double plane_size = 2.0 * (camera_.eye - camera_.target).norm();
+  for (std::size_t o = 0; o < scene.obstacles.size(); ++o) {
+    if (!scene.obstacles[o].visible) continue;
+    Prop prop{&state.obstacles[o], look_of(scene.obstacles[o].look), {}, {}, {}, {}, {}};
+    Mesh mesh = make_obstacle_mesh(prop.obstacle->shape, plane_size);
+    prop.points = std::move(mesh.points);
+    prop.triangles = std::move(mesh.triangles);
+    prop.normals.resize(prop.points.size());
+    vertex_normals(prop.points, prop.triangles, prop.normals);
+    prop.placed_points = prop.points;
+    prop.placed_normals = prop.normals;
+    place(prop, 0.0);
+    props_.push_back(std::move(prop));
+  }
+}
+
+void Drawing::place(Prop& prop, double time) const {
+  Pose pose = prop.obstacle->pose_at(time);
+  for (std::size_t v = 0; v < prop.points.size(); ++v) {
+    prop.placed_points[v] = pose.position + pose.rotation * prop.points[v];
+    prop.placed_normals[v] = pose.rotation * prop.normals[v];
+  }
+}
+
+FrameContent Drawing::content(const Snapshot& snapshot) {
+  FrameContent frame;
+  frame.camera = camera_;
+  frame.light = light_;
+  if (scene_.ground && scene_.ground->visible) frame.ground = &ground_;
+  if (!snapshot.points.empty()) {
+    normals_.resize(snapshot.points.size());
+    vertex_normals(snapshot.points, state_.surface.triangles, normals_);
+  }
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    if (!scene_.bodies[b].visible) continue;
+    const Body& body = state_.bodies[b];
+    Look look = look_of(scene_.bodies[b].look);
+    if (!snapshot.particles.empty())
+      frame.spheres.push_back(
+          {std::span(snapshot.particles).subspan(body.particles.begin, body.particles.size()),
+           ball_radius * body.spacing, look});
+    if (snapshot.points.empty()) continue;
+    if (!snapshot.particles.empty()) look.opacity *= veil;
+    frame.meshes.push_back({std::span(snapshot.points).subspan(body.vertices.begin, body.vertices.size()),
+                            std::span(normals_).subspan(body.vertices.begin, body.vertices.size()),
+                            triangles_[b], look});
+  }
+  for (Prop& prop : props_) {
+    if (prop.obstacle->position.varies() || prop.obstacle->rotation.varies()) place(prop, snapshot.time);
+    frame.meshes.push_back({prop.placed_points, prop.placed_normals, prop.triangles, prop.look});
+  }
+  return frame;
+}
+
+}  // namespace deforma

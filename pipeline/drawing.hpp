@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "pipeline/scene.hpp"
+#include "render/renderer.hpp"
+#include "sim/solver.hpp"
+
+namespace deforma {
+
+/// What one frame shows, copied out of the simulation so that it can go on.
+struct Snapshot {
+  int frame = 1;                ///< counted from 1
+  double time = 0.0;            ///< [s]
+  std::vector<Vec3> points;     ///< of the whole surface, when drawn [m]
+  std::vector<Vec3> particles;  ///< when drawn [m]
+};
+
+/// Copies the state as far as the scene's view needs it.
+Snapshot take_snapshot(const Scene& scene, const Solver& solver, int frame);
+
+/// Turns snapshots into what the renderer draws.
+class Drawing {
+ public:
+  /// @param scene with its camera filled in; it and the state must outlive the drawing, of which only what
+  /// never
+  ///        changes is used: bodies, triangles, obstacles
+  Drawing(const Scene& scene, const State& state);
+
+  /// The content refers to the snapshot and to this object and is valid until the next call.
+  FrameContent content(const Snapshot& snapshot);
+
+ private:
+  /// An obstacle's surface, at rest in its own frame and where it is now.
+  struct Prop {
+    const Obstacle* obstacle;
+    Look look;
+    std::vector<Vec3> points, normals;
+    std::vector<Vec3> placed_points, placed_normals;
+    std::vector<Triangle> triangles;
+  };
+  void place(Prop& prop, double time) const;
+
+  const Scene& scene_;
+  const State& state_;
+  std::vector<std::vector<Triangle>> triangles_;  ///< per body, counted from its own first vertex
+  std::vector<Vec3> normals_;
+  std::vector<Prop> props_;
+  DrawnGround ground_;
+  Camera camera_;
+  Light light_;
+};
+
+}  // namespace deforma

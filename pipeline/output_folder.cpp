@@ -1,0 +1,92 @@
+#include "pipeline/output_folder.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "pipeline/user_error.hpp"
+
+namespace deforma {
+
+namespace fs = std::filesystem;
+
+OutputFolder::OutputFolder(fs::path folder, bool overwrite) : folder_(std::move(folder)) {
+  std::error_code error;
+  fs::path existing = fs::absolute(folder_).lexically_normal();
+  if (!existing.has_filename()) existing = existing.parent_path();
+  while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
+  if (!fs::is_directory(existing, error))
+    throw UserError(
+        fmt::format("{}: cannot be the output folder: {} is no folder", folder_.string(), existing.string()));
+  if (access(existing.c_str(), W_OK | X_OK) != 0)
+    throw UserError(fmt::format("{}: cannot be the output folder: {} is not writable", folder_.string(),
+                                existing.string()));
+  if (!overwrite && fs::exists(folder_, error) && !fs::is_empty(folder_, error))
+    throw UserError(fmt::format("{}: exists and is not empty; give another folder with -o, or --overwrite",
+                                folder_.string()));
+}
+
+OutputFolder::~OutputFolder() {
+  if (!created_ || kept_) return;
+  remove_own_files();
+  std::error_code ignored;  // a folder that somebody else uses by now is not empty and stays
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
+}
+
+void OutputFolder::make(const fs::path& folder) {
+  std::error_code error;
+  if (folder.empty() || fs::is_directory(folder, error)) return;
+  make(folder.parent_path());
+  if (!fs::create_directory(folder, error) && error)
+    throw UserError(
+        fmt::format("{}: cannot make the folder {}: {}", folder_.string(), folder.string(), error.message()));
+  made_.push_back(folder);
+}
+
+void OutputFolder::create() {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  created_ = true;
+  remove_own_files();
+  make(folder_ / "frames");
+}
+
+void OutputFolder::remove_own_files() const {
+  std::error_code ignored;
+  auto is_number = [](const std::string& text) {
+    return !text.empty() &&
+           std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
+  };
+  std::vector<fs::path> ours = {report_file(), scene_file()};
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / "frames", ignored))
+    if (entry.path().extension() == ".png" && is_number(entry.path().stem().string()))
+      ours.push_back(entry.path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
+    if (entry.is_regular_file(ignored) && entry.path().stem() == "video") ours.push_back(entry.path());
+  for (const fs::path& file : ours) fs::remove(file, ignored);
+}
+
+fs::path OutputFolder::frame_file(int frame) const {
+  return folder_ / "frames" / fmt::format("{:04}.png", frame);
+}
+
+fs::path OutputFolder::video_file(const std::string& extension) const {
+  return folder_ / ("video." + extension);
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  fs::path temporary = file.parent_path() / ("." + file.filename().string() + ".part");
+  std::ofstream stream(temporary, std::ios::binary);
+  stream << text;
+  stream.close();
+  std::error_code error;
+  if (stream) fs::rename(temporary, file, error);
+  if (!stream || error) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
+  }
+}
+
+}  // namespace deforma

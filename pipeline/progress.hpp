@@ -1,0 +1,31 @@
+#pragma once
+
+#include <chrono>
+
+namespace deforma {
+
+/// Tells on standard error how far a run has come: a bar on a terminal, plain lines otherwise, or nothing.
+class Progress {
+ public:
+  enum class Style { quiet, lines, bar };
+
+  explicit Progress(Style style) : style_(style) {}
+
+  /// `quiet` when asked for, else by what standard error is.
+  static Style style_for(bool quiet);
+
+  void begin(int first_frame, int last_frame);
+  void frame_done(int frame);
+  void end();  ///< leaves the bar's line
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  Style style_;
+  int first_ = 1;
+  int last_ = 1;
+  int said_tenth_ = 0;  ///< of the frames, in plain lines
+  Clock::time_point start_;
+};
+
+}  // namespace deforma

@@ -1,0 +1,141 @@
+#include "pipeline/run.hpp"
+
+#include <fmt/core.h>
+
+#include "pipeline/build.hpp"
+#include "pipeline/drawing.hpp"
+#include "pipeline/frame_pipeline.hpp"
+#include "pipeline/framing.hpp"
+#include "pipeline/output_folder.hpp"
+#include "pipeline/stopwatch.hpp"
+#include "pipeline/user_error.hpp"
+#include "render/video.hpp"
+
+namespace deforma {
+
+namespace {
+
+RendererSettings renderer_settings(const Scene& scene) {
+  RendererSettings settings;
+  settings.width = scene.output.width;
+  settings.height = scene.output.height;
+  settings.samples = scene.output.samples;
+  return settings;
+}
+
+ContextFacts wait_for_renderer(FramePipeline& pipeline) {
+  try {
+    return pipeline.ready();
+  } catch (const std::invalid_argument& error) {
+    throw UserError(error.what());
+  }
+}
+
+std::optional<VideoWriter> open_video(const Scene& scene, const OutputFolder& folder) {
+  if (scene.output.video == "none") return std::nullopt;
+  try {
+    return VideoWriter(folder.video_file(scene.output.video),
+                       {scene.output.width, scene.output.height, scene.fps, scene.output.crf});
+  } catch (const std::invalid_argument& error) {
+    throw UserError(error.what());
+  }
+}
+
+FrameRange frames_of(const Scene& scene, const RunOptions& options) {
+  FrameRange range = options.frames.value_or(FrameRange{1, scene.frames()});
+  if (range.first < 1 || range.last < range.first || range.last > scene.frames())
+    throw UserError(
+        fmt::format("frames {}:{} are outside the scene's 1:{}", range.first, range.last, scene.frames()));
+  return range;
+}
+
+/// Simulates up to the last frame and hands over those asked for.
+void simulate(const Scene& scene, Solver& solver, const FrameRange& frames, const RunOptions& options,
+              FramePipeline& pipeline, RunRecord& record) {
+  Stopwatch watch;
+  for (int frame = 1; frame <= frames.last; ++frame) {
+    if (options.stop_requested && options.stop_requested()) {
+      record.ending = Ending::interrupted;
+      record.ending_message = fmt::format("stopped before frame {}", frame);
+      return;
+    }
+    watch.lap();
+    try {
+      if (frame > 1) solver.advance(1.0 / scene.fps);
+    } catch (const SimulationDiverged& error) {
+      record.ending = Ending::diverged;
+      record.ending_message = error.what();
+      return;
+    }
+    record.simulate_seconds += watch.lap();
+    record.last = solver.ledger();
+    if (frame < frames.first) continue;
+    watch.lap();
+    Snapshot snapshot = take_snapshot(scene, solver, frame);
+    record.skin_seconds += watch.lap();
+    pipeline.push(std::move(snapshot));
+    record.simulate_wait += watch.lap();
+  }
+}
+
+}  // namespace
+
+RunRecord run_scene(Scene scene, const RunOptions& options) {
+  RunRecord record;
+  Stopwatch whole, watch;
+  FrameRange frames = frames_of(scene, options);
+  OutputFolder folder(options.folder, options.overwrite);
+
+  // The renderer starts up while the world is built.
+  FramePipeline pipeline(renderer_settings(scene), {options.platform});
+  World world = build(scene);
+  frame_scene(scene, world.solver->state());
+  Drawing drawing(scene, world.solver->state());
+  record.build_seconds = watch.lap();
+  record.context = wait_for_renderer(pipeline);
+  if (options.tell_warning)
+    for (const std::string& warning : world.warnings) options.tell_warning(warning);
+
+  folder.create();
+  std::optional<VideoWriter> video = open_video(scene, folder);
+  write_text(folder.scene_file(), scene_to_toml(scene));
+  Progress progress(options.progress);
+  progress.begin(frames.first, frames.last);
+  watch.lap();
+  try {
+    pipeline.start(
+        [&](Renderer& renderer, const Snapshot& snapshot) {
+          return renderer.draw(drawing.content(snapshot));
+        },
+        [&](int frame, const Image& image) {
+          Stopwatch writing;
+          write_png(folder.frame_file(frame), image, {{"Software", version_text()}, {"Title", scene.name}});
+          folder.keep();  // a finished frame is worth keeping, whatever happens later
+          record.png_seconds += writing.lap();
+          if (video) video->add(image);
+          record.video_seconds += writing.lap();
+          ++record.frames_written;
+          progress.frame_done(frame);
+        });
+    record.first = world.solver->ledger();
+    simulate(scene, *world.solver, frames, options, pipeline, record);
+    pipeline.finish();
+  } catch (...) {
+    pipeline.abandon();
+    throw;
+  }
+  folder.keep();
+  Stopwatch closing;
+  if (video && record.frames_written > 0) video->close();
+  record.video_seconds += closing.lap();
+  progress.end();
+
+  record.frames_seconds = watch.lap();
+  record.drawing = pipeline.drawing();
+  record.write_wait = pipeline.writing().wait;
+  record.seconds = whole.lap();
+  write_text(folder.report_file(), make_report(scene, world, record));
+  return record;
+}
+
+}  // namespace deforma

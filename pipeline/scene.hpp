@@ -1,0 +1,153 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/shape_registry.hpp"
+#include "sim/curve.hpp"
+#include "sim/effects/registry.hpp"
+#include "sim/parameters.hpp"
+#include "sim/solver.hpp"
+
+namespace deforma {
+
+struct OutputSpec {
+  int width = 1280;
+  int height = 720;
+  std::string video = "mp4";     ///< container, or "none"
+  int crf = 18;                  ///< constant rate factor of the video, lower is better
+  std::string view = "surface";  ///< or "particles", "both"
+  int samples = 4;               ///< multisampling
+};
+
+struct SolverSpec {
+  std::string integrator = "symplectic_euler";
+  double step_fraction = 0.7;
+  double max_step = 0.0;  ///< [s]; 0: none
+  std::string kernel = "cubic_spline";
+  int neighbors = 18;
+  double support = 1.5;
+};
+
+/// How a surface looks; colours are sRGB in [0, 1].
+struct LookSpec {
+  Vec3 color = {0.80, 0.35, 0.20};
+  double opacity = 1.0;
+  double roughness = 0.5;
+  bool flat = false;
+};
+
+/// One table of one effect.
+struct SceneEffect {
+  const EffectInfo* info;
+  Parameters parameters;
+  std::string where;  ///< file, line and key, for messages
+};
+
+/// A built-in shape with its sizes.
+struct SceneShape {
+  const ShapeInfo* info;
+  Parameters parameters;
+};
+
+struct SceneBody {
+  std::string name;
+  std::optional<std::string> mesh;  ///< as written: found, but possibly an installed one
+  std::filesystem::path mesh_file;  ///< where `mesh` was found
+  std::optional<SceneShape> shape;  ///< exactly one of mesh and shape
+  Vec3 position = Vec3::Zero();     ///< of the mesh's own origin [m]
+  Vec3 rotation = Vec3::Zero();     ///< rotation vector [degrees]
+  Vec3 scale = Vec3::Ones();
+  std::optional<int> particles;   ///< exactly one of particles and spacing
+  std::optional<double> spacing;  ///< [m]
+  std::string sampling = "lattice";
+  int subdivide = 0;                     ///< times
+  std::optional<int> surface_particles;  ///< subdivide until there are so many vertices
+  double density = 1000.0;               ///< [kg/m^3]
+  Vec3 velocity = Vec3::Zero();          ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();  ///< about the centre of mass [rad/s]
+  LookSpec look;
+  bool visible = true;
+  std::vector<SceneEffect> effects;       ///< its own tables, in the registry's order
+  std::vector<std::string_view> without;  ///< effects refused with `false`: the world's do not apply
+  std::string where;                      ///< file, line and key, for messages
+  std::string mesh_where;                 ///< the same of its mesh or shape
+};
+
+struct SceneObstacle {
+  std::string name;
+  const ObstacleInfo* info = nullptr;
+  Parameters parameters{std::span<const Setting>()};  ///< of its shape
+  std::string mesh;                                   ///< file of a mesh obstacle, as written
+  std::filesystem::path mesh_file;                    ///< where it was found
+  Curve<Vec3> position = Vec3(0, 0, 0);               ///< [m]
+  Curve<Vec3> rotation = Vec3(0, 0, 0);               ///< rotation vector [degrees]
+  double friction = 0.0;
+  bool visible = true;
+  LookSpec look;
+  std::string where;  ///< file, line and key, for messages
+};
+
+struct CameraSpec {
+  std::optional<Vec3> position;  ///< automatic framing when absent [m]
+  std::optional<Vec3> target;    ///< the middle of the scene when absent [m]
+  Vec3 up = Vec3::UnitZ();
+  double field_of_view = 30.0;  ///< vertical [degrees]
+};
+
+struct LightSpec {
+  Vec3 direction = {-0.4, 0.5, -1.0};
+  double intensity = 2.6;
+  double ambient = 0.55;
+};
+
+struct GroundSpec {
+  double height = 0.0;  ///< z [m]
+  Vec3 color = {0.72, 0.72, 0.70};
+  bool solid = true;
+  double friction = 0.5;
+  bool visible = true;
+};
+
+/// All that a scene file says, with every default filled in.
+struct Scene {
+  std::filesystem::path file;  ///< that it was read from
+  std::string name;
+  double duration = 0.0;  ///< [s]
+  double fps = 25.0;
+  OutputSpec output;
+  SolverSpec solver;
+  std::vector<SceneEffect> world;  ///< for every body that does not have or refuse its own
+  std::vector<SceneBody> bodies;
+  std::vector<SceneObstacle> obstacles;
+  CameraSpec camera;
+  LightSpec light;
+  std::optional<GroundSpec> ground;
+
+  int frames() const;  ///< round(duration * fps), at least 1
+};
+
+/// A key of the scene given on the command line instead.
+struct Override {
+  std::string key;     ///< a path such as body.0.elastic.young or body.duck.density
+  std::string value;   ///< TOML; what is none counts as text
+  std::string origin;  ///< the option as typed, for messages
+};
+
+/// Splits KEY=VALUE. @throws UserError without '='
+Override parse_override(const std::string& argument);
+
+/// Reads a scene file.
+/// @param file as found by `find_scene`
+/// @throws UserError with file, line, key, what was found, what is allowed and the nearest valid name.
+Scene load_scene(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
+
+/// The scene as TOML that `load_scene` reads back to the same scene, from any folder.
+std::string scene_to_toml(const Scene& scene);
+
+/// The same as JSON.
+std::string scene_to_json(const Scene& scene);
+
+}  // namespace deforma

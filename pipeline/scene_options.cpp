@@ -1,0 +1,67 @@
+#include "pipeline/scene_options.hpp"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "pipeline/files.hpp"
+#include "pipeline/user_error.hpp"
+
+namespace deforma {
+
+namespace {
+
+std::optional<int> whole_number(const std::string& text) {
+  int number = 0;
+  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+void SceneOptions::add_to(CLI::App& command) {
+  command.add_option("scene", scene, "Scene file, or the name of a shipped scene")->required();
+  command
+      .add_option("--set", sets,
+                  "Give a key another value, such as body.0.elastic.young=1e5; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--size", size, "Size of the pictures in pixels")->type_name("WxH");
+  command.add_option("--view", view, "What is drawn: surface, particles or both")->type_name("VIEW");
+  command.add_option("--threads", threads, "How many threads simulate; all by default")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+}
+
+Scene SceneOptions::load() const {
+  std::vector<Override> overrides;
+  for (const std::string& set : sets) overrides.push_back(parse_override(set));
+  if (!size.empty()) {
+    std::size_t x = size.find('x');
+    std::optional<int> width = whole_number(size.substr(0, x));
+    std::optional<int> height = x == size.npos ? std::nullopt : whole_number(size.substr(x + 1));
+    if (!width || !height) throw UserError(fmt::format("--size {}: expected WxH, such as 1280x720", size));
+    overrides.push_back({"output.size", fmt::format("[{}, {}]", *width, *height), "--size " + size});
+  }
+  if (!view.empty()) overrides.push_back({"output.view", view, "--view " + view});
+  return load_scene(find_scene(scene), overrides);
+}
+
+FrameRange parse_frames(const std::string& text, int last_frame) {
+  std::size_t colon = text.find(':');
+  std::string first_text = text.substr(0, colon);
+  std::string last_text = colon == text.npos ? first_text : text.substr(colon + 1);
+  std::optional<int> first = first_text.empty() ? 1 : whole_number(first_text);
+  std::optional<int> last = last_text.empty() ? last_frame : whole_number(last_text);
+  bool valid = text.size() > 1 || (colon == text.npos && !text.empty());
+  if (!valid || !first || !last)
+    throw UserError(fmt::format("--frames {}: expected A:B, such as 1:25", text));
+  if (*first < 1 || *last < *first || *last > last_frame)
+    throw UserError(fmt::format("--frames {}: outside the scene's frames 1:{}", text, last_frame));
+  return {*first, *last};
+}
+
+}  // namespace deforma

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/run.hpp"
+#include "pipeline/scene.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace deforma {
+
+/// The options with which `run` and `check` say which scene they mean.
+struct SceneOptions {
+  std::string scene;
+  std::vector<std::string> sets;  ///< KEY=VALUE
+  std::string size;               ///< WxH
+  std::string view;
+  int threads = 0;  ///< 0: all
+
+  void add_to(CLI::App& command);
+
+  /// @throws UserError as `load_scene`, and for an option that is not of its form.
+  Scene load() const;
+};
+
+/// "A:B", "A", "A:" or ":B"; what is left out is the first or the last frame.
+/// @throws UserError for anything else.
+FrameRange parse_frames(const std::string& text, int last_frame);
+
+}  // namespace deforma

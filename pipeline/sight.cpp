@@ -1,0 +1,57 @@
+#include "pipeline/sight.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <functional>
+#include <map>
+
+namespace deforma {
+
+bool is_convex(const Mesh& mesh) {
+  MeshFacts facts = inspect(mesh);
+  if (facts.components != 1 || facts.boundary_edges > 0 || facts.non_manifold_edges > 0) return false;
+  // A sphere and no torus: Euler's characteristic. Then locally convex everywhere is convex.
+  if (2 * mesh.points.size() != mesh.triangles.size() + 4) return false;
+  std::map<std::pair<Index, Index>, Index> opposite;
+  for (const Triangle& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c) opposite[{t[c], t[(c + 1) % 3]}] = t[(c + 2) % 3];
+  double tolerance = 1e-9 * (facts.max - facts.min).norm();
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& a = mesh.points[t[0]];
+    Vec3 normal = (mesh.points[t[1]] - a).cross(mesh.points[t[2]] - a).normalized();
+    for (int c = 0; c < 3; ++c) {
+      const Vec3& beyond = mesh.points[opposite.at({t[(c + 1) % 3], t[c]})];
+      if (normal.dot(beyond - a) > tolerance) return false;
+    }
+  }
+  return true;
+}
+
+std::size_t Sight::Hash::operator()(const Vec3& point) const {
+  std::size_t hash = 0;
+  for (int c = 0; c < 3; ++c) hash = hash * 1000003 + std::hash<double>()(point[c]);
+  return hash;
+}
+
+Sight::Sight(const State& state, std::span<const Mesh> meshes) {
+  for (const Mesh& mesh : meshes) {
+    if (is_convex(mesh))
+      visibility_.emplace_back(std::nullopt);
+    else
+      visibility_.emplace_back(Visibility(mesh));
+  }
+  if (!needed()) return;
+  for (std::size_t i = 0; i < state.particles.size(); ++i)
+    body_.emplace(state.particles.rest[i], state.particles.body[i]);
+}
+
+bool Sight::needed() const {
+  return std::any_of(visibility_.begin(), visibility_.end(), [](const auto& v) { return v.has_value(); });
+}
+
+bool Sight::operator()(const Vec3& a, const Vec3& b) const {
+  const std::optional<Visibility>& visibility = visibility_[body_.at(b)];
+  return !visibility || visibility->sees(a, b);
+}
+
+}  // namespace deforma
