@@ -1,6 +1,7 @@
 #include "sim/obstacle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -97,13 +98,27 @@ double clearance_of(const SphereShape& sphere, const Vec3& p) {
   return positive(sphere.inside ? sphere.radius - p.norm() : p.norm() - sphere.radius);
 }
 
+// The first point at each place: a mesh whose triangles do not share their corners is closed all the same.
+std::vector<Triangle> welded(const MeshShape& mesh) {
+  std::map<std::array<double, 3>, Index> first;
+  std::vector<Index> representative;
+  for (Index i = 0; i < mesh.points.size(); ++i) {
+    const Vec3& p = mesh.points[i];
+    representative.push_back(first.try_emplace({p.x(), p.y(), p.z()}, i).first->second);
+  }
+  std::vector<Triangle> triangles = mesh.triangles;
+  for (Triangle& t : triangles)
+    for (Index& corner : t) corner = representative.at(corner);
+  return triangles;
+}
+
 // A closed mesh with the normals that tell inside from outside at its faces, edges and corners.
 // Source: Baerentzen & Aanaes, Signed distance computation using the angle weighted pseudonormal (2005).
 class MeshSolid {
  public:
   explicit MeshSolid(const MeshShape& mesh)
-      : triangles_(mesh.triangles),
-        tree_(mesh.points, mesh.triangles),
+      : tree_(mesh.points, mesh.triangles),
+        triangles_(welded(mesh)),
         at_corner_(mesh.points.size(), Vec3::Zero()) {
     if (mesh.triangles.empty()) throw std::invalid_argument("a mesh obstacle needs at least one triangle");
     std::map<std::pair<Index, Index>, Vec3> edges;
@@ -144,8 +159,8 @@ class MeshSolid {
     return face_[closest.triangle];
   }
 
-  std::vector<Triangle> triangles_;
   TriangleTree tree_;
+  std::vector<Triangle> triangles_;
   std::vector<Vec3> face_;       // unit, zero for a triangle without area
   std::vector<Vec3> at_edge_;    // three per triangle, from corner k to k + 1
   std::vector<Vec3> at_corner_;  // angle weighted
