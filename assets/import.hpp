@@ -11,10 +11,10 @@ namespace deforma {
 /// A mesh read from a file, and what was done to it on the way.
 struct Imported {
   Mesh mesh;
-  std::size_t meshes = 0;               ///< that the file holds, merged with their node transforms
-  std::size_t polygons = 0;             ///< faces of more than three corners, triangulated
-  std::size_t welded_points = 0;        ///< duplicates merged
-  std::size_t dropped_triangles = 0;    ///< without area
+  std::size_t meshes = 0;             ///< that the file holds, merged with their node transforms
+  std::size_t polygons = 0;           ///< faces of more than three corners, triangulated
+  std::size_t welded_points = 0;      ///< duplicates merged
+  std::size_t dropped_triangles = 0;  ///< without area
   std::vector<std::string> warnings;
 };
 

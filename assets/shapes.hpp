@@ -12,7 +12,7 @@ namespace deforma {
 // All throw std::invalid_argument for sizes that are not positive or resolutions too small.
 
 Mesh make_box(const Eigen::Vector3d& size, int resolution);  ///< resolution: cells along the longest edge
-Mesh make_sphere(double radius, int resolution);             ///< resolution: cells along a quarter of the equator
+Mesh make_sphere(double radius, int resolution);  ///< resolution: cells along a quarter of the equator
 Mesh make_ellipsoid(const Eigen::Vector3d& radii, int resolution);
 Mesh make_octahedron(double radius, int resolution);  ///< radius: center to corner; cells along an edge
 Mesh make_torus(double radius, double tube_radius, int segments, int rings);
