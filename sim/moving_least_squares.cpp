@@ -1,9 +1,11 @@
 #include "sim/moving_least_squares.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include "sim/parallel.hpp"
@@ -12,7 +14,10 @@ namespace deforma {
 
 namespace {
 
+constexpr std::array<std::string_view, 2> names = {"linear", "quadratic"};
 constexpr double dropped_eigenvalue = 1e-4;  // of the largest: below it a direction is not spanned
+constexpr double dropped_quadratic_eigenvalue =
+    1e-6;  // of the largest: below it the neighbours do not settle the fit
 
 struct Moment {
   Mat3 inverse = Mat3::Zero();
@@ -41,14 +46,85 @@ Moment invert(const Mat3& A) {
   return moment;
 }
 
+using Vec9 = Eigen::Matrix<double, 9, 1>;
+using Mat9 = Eigen::Matrix<double, 9, 9>;
+
+// Linear and quadratic terms of the Taylor expansion about the particle.
+Vec9 taylor_terms(const Vec3& X) {
+  Vec9 p;
+  p << X, 0.5 * X.x() * X.x(), 0.5 * X.y() * X.y(), 0.5 * X.z() * X.z(), X.y() * X.z(), X.z() * X.x(),
+      X.x() * X.y();
+  return p;
+}
+
+// g_ij of one particle's row: its gradient is what the linear coefficients of the weighted fit are. False when the
+// neighbours do not settle nine coefficients.
+bool quadratic_row(const Particles& particles, const Neighborhood& links, std::size_t i,
+                   std::vector<MovingLeastSquares::Pair>& pairs) {
+  Range row = links.row(i);
+  if (row.size() < 9) return false;
+  const double h = links.support[i];
+  Mat9 M = Mat9::Zero();
+  for (Index l = row.begin; l < row.end; ++l) {
+    Vec9 p = taylor_terms((particles.rest[links.links[l].j] - particles.rest[i]) / h);
+    M += static_cast<double>(links.links[l].weight) * p * p.transpose();
+  }
+  Eigen::SelfAdjointEigenSolver<Mat9> eigen(M, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues().minCoeff() > dropped_quadratic_eigenvalue * eigen.eigenvalues().maxCoeff()))
+    return false;
+  Eigen::Matrix<double, 9, 3> gradient_rows =
+      M.ldlt().solve(Eigen::Matrix<double, 9, 3>(Eigen::Matrix<double, 9, 3>::Identity()));
+  for (Index l = row.begin; l < row.end; ++l) {
+    Vec9 p = taylor_terms((particles.rest[links.links[l].j] - particles.rest[i]) / h);
+    pairs[l].there = links.links[l].weight / h * (gradient_rows.transpose() * p);
+  }
+  return true;
+}
+
+void fit_quadratic(const Particles& particles, const Neighborhood& links, MovingLeastSquares& fit) {
+  std::size_t n = particles.size();
+  fit.pairs.resize(links.links.size());
+  std::vector<std::uint8_t> left(n, 0);
+  parallel_for_each(n, [&](std::size_t i) {
+    left[i] = !quadratic_row(particles, links, i, fit.pairs);
+    Range row = links.row(i);
+    if (left[i])
+      for (Index l = row.begin; l < row.end; ++l)
+        fit.pairs[l].there = fit.inverse[i].transpose() * links.links[l].vector();
+  });
+  fit.linear_fits = static_cast<std::size_t>(std::count(left.begin(), left.end(), 1));
+  // Rows are ascending in j and links symmetric, so the reverse of link i -> j is found by bisection.
+  parallel_for_each(n, [&](std::size_t i) {
+    Range row = links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) {
+      Range other = links.row(links.links[l].j);
+      auto reverse = std::lower_bound(links.links.begin() + other.begin, links.links.begin() + other.end, i,
+                                      [](const Link& link, std::size_t target) { return link.j < target; });
+      fit.pairs[l].back = fit.pairs[static_cast<std::size_t>(reverse - links.links.begin())].there;
+    }
+  });
+}
+
 }  // namespace
+
+Gradient gradient_from_name(std::string_view name) {
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (names[k] == name) return static_cast<Gradient>(k);
+  throw std::invalid_argument(
+      fmt::format("unknown gradient '{}' (allowed: {})", name, fmt::join(names, ", ")));
+}
+
+std::string_view gradient_name(Gradient gradient) { return names.at(static_cast<std::size_t>(gradient)); }
+
+std::span<const std::string_view> gradient_names() { return names; }
 
 std::size_t MovingLeastSquares::count_below(int rank_limit) const {
   return static_cast<std::size_t>(
       std::count_if(rank.begin(), rank.end(), [&](std::uint8_t r) { return r < rank_limit; }));
 }
 
-MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Neighborhood& links) {
+MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Neighborhood& links,
+                                            Gradient gradient) {
   std::size_t n = particles.size();
   if (links.size() != n)
     throw std::invalid_argument(fmt::format("{} particles but {} neighborhoods", n, links.size()));
@@ -70,6 +146,7 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
     fit.plane[i] = moment.plane;
     fit.trace[i] = A.trace();
   });
+  if (gradient == Gradient::quadratic) fit_quadratic(particles, links, fit);
   return fit;
 }
 
@@ -83,11 +160,16 @@ void deformation_gradients(const Neighborhood& links, const MovingLeastSquares& 
     Mat3 sum = Mat3::Zero();
     Range row = links.row(i);
     const Vec3 own = field[i];
+    F[i] = fit.plane[i];
+    if (fit.quadratic()) {
+      for (Index l = row.begin; l < row.end; ++l)
+        F[i].noalias() += (field[links.links[l].j] - own) * fit.pairs[l].there.transpose();
+      return;
+    }
     for (Index l = row.begin; l < row.end; ++l) {
       const Link& link = links.links[l];
       sum.noalias() += (field[link.j] - own) * link.vector().transpose();  // eq 8
     }
-    F[i] = fit.plane[i];
     F[i].noalias() += sum * fit.inverse[i];  // eq 7
   });
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "sim/neighborhood.hpp"
@@ -8,23 +9,45 @@
 
 namespace deforma {
 
-/// The constant part of the least-squares gradient (eqs 6-8): grad u_i = (sum_j u_ij (W X)_ij^T) inverse_i.
+/// What the neighbours' displacements are fitted with to take a particle's gradient.
+enum class Gradient {
+  linear,    ///< the paper's: three coefficients, first order at the boundary
+  quadratic  ///< nine: second order there too; wants more neighbours and a smaller step
+};
+
+/// @throws std::invalid_argument for a name that is no gradient; the message lists the names.
+Gradient gradient_from_name(std::string_view name);
+std::string_view gradient_name(Gradient gradient);
+std::span<const std::string_view> gradient_names();
+
+/// The constant part of the least-squares gradient (eqs 6-8): grad u_i = (sum_j u_ij (W X)_ij^T) inverse_i,
+/// or, with the quadratic fit, grad u_i = sum_j u_ij g_ij^T.
 ///
 /// `inverse` already holds the 1/l that undoes the links' scaling. A neighbourhood that does not span space
 /// has rank below 3: its inverse is a pseudoinverse, and `plane` holds the projector Q onto what it spans.
 struct MovingLeastSquares {
+  /// Gradient vectors of one link of the quadratic fit, both ways [1/m].
+  struct Pair {
+    Vec3 there;  ///< g_ij
+    Vec3 back;   ///< g_ji
+  };
+
   std::vector<Mat3> inverse;       ///< (A^-1)/l per particle [1/m]
   std::vector<std::uint8_t> rank;  ///< 0 (alone), 1 (rope), 2 (sheet), 3
   std::vector<Mat3> plane;         ///< Q; the identity for rank 3
   std::vector<double> trace;       ///< tr A, dimensionless
+  std::vector<Pair> pairs;         ///< beside the links, for the quadratic fit; else empty
+  std::size_t linear_fits = 0;     ///< particles that the quadratic fit left to the linear one
 
+  bool quadratic() const { return !pairs.empty(); }
   std::size_t count_below(int rank_limit) const;
 };
 
-/// Moment matrices and their inverses, eigenvalues below 1e-4 of the largest
-/// dropped. Linear fields are reproduced to rounding. (Paper eqs 6-8; the exact inverse of the slightly
-/// unsymmetric matrix.)
-MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Neighborhood& links);
+/// Moment matrices and their inverses, eigenvalues below 1e-4 of the largest dropped. Linear fields are
+/// reproduced to rounding (paper eqs 6-8); by the quadratic fit quadratic ones, too, wherever its nine-by-nine
+/// moment matrix has full rank (eigenvalues above 1e-6 of the largest); elsewhere the linear fit stands in.
+MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Neighborhood& links,
+                                            Gradient gradient = Gradient::linear);
 
 /// F_i = Q_i + grad u_i of every particle (eqs 2, 9), with row = component of u and column = rest direction.
 /// For rank 3 this is I + grad u.

@@ -177,8 +177,9 @@ struct Solver::Data {
       }
       run_effects([&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
       Timer timer(statistics.stages[gather_force]);
-      carried_stress(state.particles, state.links, state.fit, state.F, P, pair_stiffness, B);
-      add_internal_force(state.links, B, pair_stiffness, state.particles.displacement, force);
+      carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
+                     pair_stiffness, B, force);
+      add_internal_force(state.links, state.fit, B, pair_stiffness, state.particles.displacement, force);
     }
     run_effects([&](Effect& effect) { effect.force(state, force); });
   }
@@ -260,9 +261,9 @@ struct Solver::Data {
     std::fill(P.begin(), P.end(), Mat3::Zero());
     for (const auto& effect : effects)
       if (!(effect->needs() & needs_strain_rate)) effect->stress(state, F, P, pair_stiffness);
-    carried_stress(state.particles, state.links, state.fit, F, P, pair_stiffness, B);
     std::fill(answer.begin(), answer.end(), Vec3::Zero());
-    add_internal_force(state.links, B, pair_stiffness, displacement, answer);
+    carried_stress(state.particles, state.links, state.fit, displacement, F, P, pair_stiffness, B, answer);
+    add_internal_force(state.links, state.fit, B, pair_stiffness, displacement, answer);
   }
 
   double stiffness_key() const {

@@ -3,9 +3,9 @@
 namespace deforma {
 
 void prepare_state(State& state, const NeighborhoodSettings& settings, const LinkFilter& link_allowed,
-                   const LinkFilter& tie_allowed) {
+                   const LinkFilter& tie_allowed, Gradient gradient) {
   state.links = build_neighborhood(state.particles, state.bodies, settings, link_allowed);
-  state.fit = fit_moving_least_squares(state.particles, state.links);
+  state.fit = fit_moving_least_squares(state.particles, state.links, gradient);
   Surface& surface = state.surface;
   surface.area = vertex_areas(surface.rest, surface.triangles);
   surface.skin = bind_skin(state.particles, state.bodies, state.links, surface.rest, tie_allowed);

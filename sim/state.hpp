@@ -31,6 +31,6 @@ struct State {
 /// Builds what follows from particles and bodies: links, moments, skin, and zeroed state arrays.
 /// @param state  `particles`, `bodies` and `surface` (rest, triangles, body) are given; the rest is written
 void prepare_state(State& state, const NeighborhoodSettings& settings, const LinkFilter& link_allowed = {},
-                   const LinkFilter& tie_allowed = {});
+                   const LinkFilter& tie_allowed = {}, Gradient gradient = Gradient::linear);
 
 }  // namespace deforma

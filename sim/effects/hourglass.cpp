@@ -59,7 +59,9 @@ class Hourglass : public Effect {
         Range row = links.row(i);
         for (Index l = row.begin; l < row.end; ++l) {
           Index j = links.links[l].j;
-          Vec3 e = gradient * (state.particles.rest[j] - state.particles.rest[i]) -
+          Mat3 used =
+              state.fit.quadratic() ? Mat3(0.5 * (gradient + state.F[j] - state.fit.plane[j])) : gradient;
+          Vec3 e = used * (state.particles.rest[j] - state.particles.rest[i]) -
                    (state.particles.displacement[j] - state.particles.displacement[i]);
           residual += links.links[l].weight * e.squaredNorm();
         }

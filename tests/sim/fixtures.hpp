@@ -74,9 +74,9 @@ inline State lattice_particles(const Vec3& size, int nx, int ny, int nz, double 
 
 /// The same, prepared.
 inline State lattice_box(const Vec3& size, int nx, int ny, int nz, double density, double jitter = 0.0,
-                         const NeighborhoodSettings& settings = {}) {
+                         const NeighborhoodSettings& settings = {}, Gradient gradient = Gradient::linear) {
   State state = lattice_particles(size, nx, ny, nz, density, jitter);
-  prepare_state(state, settings);
+  prepare_state(state, settings, {}, {}, gradient);
   return state;
 }
 

@@ -46,8 +46,9 @@ inline std::vector<Vec3> total_force(State& state, std::span<const std::unique_p
   for (const auto& effect : effects) effect->surface_force(state, surface_force);
   add_surface_force(state.surface, state.particles, surface_force, P, force);
   for (const auto& effect : effects) effect->stress(state, state.F, P, pair_stiffness);
-  carried_stress(state.particles, state.links, state.fit, state.F, P, pair_stiffness, B);
-  add_internal_force(state.links, B, pair_stiffness, state.particles.displacement, force);
+  carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
+                 pair_stiffness, B, force);
+  add_internal_force(state.links, state.fit, B, pair_stiffness, state.particles.displacement, force);
   for (const auto& effect : effects) effect->force(state, force);
   return force;
 }

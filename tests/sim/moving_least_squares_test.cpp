@@ -25,6 +25,38 @@ TEST_P(EveryKernelFit, ReproducesLinearFieldsToRounding) {
 
 INSTANTIATE_TEST_SUITE_P(Kernels, EveryKernelFit, testing::Range(1, 6));
 
+TEST(MovingLeastSquares, TheQuadraticFitReproducesQuadraticFields) {
+  State state = lattice_box(Vec3(0.5, 0.6, 0.7), 5, 6, 7, 1000.0, 0.25, {.neighbors = 30, .support = 1.7},
+                            Gradient::quadratic);
+  EXPECT_EQ(state.fit.linear_fits, 0u);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const Vec3& X = state.particles.rest[i];
+    state.particles.displacement[i] =
+        gradient * X + Vec3(X.x() * X.x(), X.x() * X.y() - X.z() * X.z(), X.y() * X.z());
+  }
+  deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const Vec3& X = state.particles.rest[i];
+    Mat3 exact = Mat3::Identity() + gradient;
+    exact += (Mat3() << 2 * X.x(), 0, 0, X.y(), X.x(), -2 * X.z(), 0, X.z(), X.y()).finished();
+    EXPECT_LT((state.F[i] - exact).norm(), 1e-11);
+  }
+}
+
+TEST(MovingLeastSquares, LeavesThinBodiesToTheLinearFit) {
+  for (int layers : {1, 2}) {
+    State state = lattice_box(Vec3(0.6, 0.6, 0.1 * layers), 6, 6, layers, 1000.0, 0.0,
+                              {.neighbors = 30, .support = 1.7}, Gradient::quadratic);
+    EXPECT_EQ(state.fit.linear_fits, state.size());
+    Mat3 in_plane = gradient * state.fit.plane[0];
+    for (std::size_t i = 0; i < state.size(); ++i)
+      state.particles.displacement[i] = in_plane * (state.particles.rest[i] - state.particles.rest[0]);
+    deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
+    for (std::size_t i = 0; i < state.size(); ++i)
+      EXPECT_LT((state.F[i] - state.fit.plane[i] - in_plane).norm(), 2e-13) << layers;
+  }
+}
+
 TEST(MovingLeastSquares, SeesTheRankOfSheetsRopesAndLoneParticles) {
   State sheet = lattice_box(Vec3(0.6, 0.6, 0.1), 6, 6, 1, 1000.0);
   State rope = lattice_box(Vec3(1.2, 0.1, 0.1), 12, 1, 1, 1000.0);
