@@ -6,20 +6,25 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sim/effects/contact.hpp"
 #include "sim/effects/damping.hpp"
 #include "sim/effects/elastic.hpp"
 #include "sim/effects/gravity.hpp"
 #include "sim/effects/hourglass.hpp"
+#include "sim/effects/lennard_jones.hpp"
+#include "sim/effects/load.hpp"
+#include "sim/effects/pin.hpp"
+#include "sim/effects/pressure.hpp"
 #include "sim/effects/volume.hpp"
 #include "sim/material.hpp"
 
 namespace deforma {
 
 std::span<const EffectInfo> effect_registry() {
-  // The running order: stress, then forces, then what acts after the integration. Pins come last: they
-  // prescribe.
+  // The running order: stress, then forces, then what acts after the integration. Pins come last, they prescribe.
   static const EffectInfo registry[] = {
-      elastic_effect(), hourglass_effect(), volume_effect(), gravity_effect(), damping_effect(),
+      elastic_effect(), hourglass_effect(), volume_effect(),        contact_effect(), pressure_effect(),
+      load_effect(),    gravity_effect(),   lennard_jones_effect(), damping_effect(), pin_effect(),
   };
   return registry;
 }
