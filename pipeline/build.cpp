@@ -54,7 +54,7 @@ std::vector<const SceneEffect*> tables_of(const Scene& scene, const SceneBody& b
   return tables;
 }
 
-std::vector<std::unique_ptr<Effect>> make_effects(const Scene& scene, const State& state) {
+std::vector<std::unique_ptr<Effect>> make_effects(const Scene& scene, State& state) {
   std::vector<std::unique_ptr<Effect>> effects;
   for (const EffectInfo& info : effect_registry()) {
     std::vector<EffectTable> tables;
@@ -121,15 +121,11 @@ World build(const Scene& scene) {
   }
   state.obstacles = make_obstacles(scene);
 
-  std::size_t sampled = state.particles.size();
   auto sight = std::make_shared<const Sight>(state, meshes);
   LinkFilter filter;
   if (sight->needed()) filter = [sight](const Vec3& a, const Vec3& b) { return (*sight)(a, b); };
   prepare_state(state, {kernel_from_name(scene.solver.kernel), scene.solver.neighbors, scene.solver.support},
                 filter, filter);
-  if (state.particles.size() < sampled)
-    world.warnings.push_back(
-        fmt::format("{} particles lay exactly on others and were merged", sampled - state.particles.size()));
   if (std::size_t thin = state.fit.count_below(3); thin > 0)
     world.warnings.push_back(
         fmt::format("{} of {} particles have neighbours on one line or plane only, or none: they resist less",

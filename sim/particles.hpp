@@ -30,8 +30,7 @@ struct Body {
   Range vertices;        ///< of the surface
   Range triangles;       ///< of the surface
   double spacing = 0.0;  ///< d = (V/N)^(1/3) [m]
-  // Of its elastic material, 0 without one; `make_effects` fills them in for the effects that scale with
-  // them.
+  // Of its elastic material, which writes them for the effects that scale with it; 0 without one.
   double modulus = 0.0;       ///< P-wave modulus lambda + 2 mu at the start [Pa]
   Curve<double> young = 0.0;  ///< Young's modulus over time [Pa]
 };

@@ -100,7 +100,7 @@ const EffectInfo& damping_effect() {
       .several = false,
       .in_world = true,
       .settings = settings,
-      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+      .make = [](State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
         return std::make_unique<Damping>(state, tables);
       }};
   return info;

@@ -39,7 +39,7 @@ struct Solid {
 
 class Elastic : public Effect {
  public:
-  Elastic(const State& state, std::span<const EffectTable> tables) {
+  Elastic(State& state, std::span<const EffectTable> tables) {
     for (const EffectTable& table : tables) {
       const Parameters& p = table.parameters;
       solids_.push_back({state.bodies[table.body].particles,
@@ -48,6 +48,8 @@ class Elastic : public Effect {
                          p.number("poisson"),
                          {}});
       solids_.back().update(state.time);
+      state.bodies[table.body].young = p.number("young");
+      state.bodies[table.body].modulus = solids_.back().lame.p_wave_modulus();
     }
   }
 
@@ -102,7 +104,7 @@ const EffectInfo& elastic_effect() {
       .several = false,
       .in_world = false,
       .settings = settings,
-      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+      .make = [](State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
         return std::make_unique<Elastic>(state, tables);
       }};
   return info;

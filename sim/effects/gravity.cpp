@@ -61,7 +61,7 @@ const EffectInfo& gravity_effect() {
       .several = false,
       .in_world = true,
       .settings = settings,
-      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+      .make = [](State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
         return std::make_unique<Gravity>(state, tables);
       }};
   return info;

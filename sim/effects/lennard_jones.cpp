@@ -188,7 +188,7 @@ const EffectInfo& lennard_jones_effect() {
       .several = false,
       .in_world = false,
       .settings = settings,
-      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+      .make = [](State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
         return std::make_unique<LennardJones>(state, tables);
       }};
   return info;

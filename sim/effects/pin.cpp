@@ -112,7 +112,7 @@ const EffectInfo& pin_effect() {
       .several = true,
       .in_world = false,
       .settings = settings,
-      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+      .make = [](State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
         return std::make_unique<Pin>(state, tables);
       }};
   return info;

@@ -135,7 +135,7 @@ const EffectInfo& pressure_effect() {
       .several = false,
       .in_world = true,
       .settings = settings,
-      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+      .make = [](State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
         return std::make_unique<Pressure>(state, tables);
       }};
   return info;

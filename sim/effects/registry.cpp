@@ -16,7 +16,6 @@
 #include "sim/effects/pin.hpp"
 #include "sim/effects/pressure.hpp"
 #include "sim/effects/volume.hpp"
-#include "sim/material.hpp"
 
 namespace deforma {
 
@@ -45,12 +44,6 @@ std::vector<std::unique_ptr<Effect>> make_effects(State& state, std::span<const 
   for (const EffectRequest& request : requests) {
     find_effect(request.effect);
     request.table.parameters.require_complete();
-    if (request.effect != elastic_effect().name) continue;
-    const Parameters& p = request.table.parameters;
-    Body& body = state.bodies.at(request.table.body);
-    body.young = p.number("young");
-    body.modulus =
-        lame_constants(body.young.at(state.time), p.number("poisson").at(state.time)).p_wave_modulus();
   }
   std::vector<std::unique_ptr<Effect>> effects;
   for (const EffectInfo& info : effect_registry()) {

@@ -26,7 +26,7 @@ struct EffectInfo {
   /// Builds the one object that serves all bodies with a table of it. `state` is complete but for the
   /// dynamics.
   /// @throws std::invalid_argument when values do not fit together.
-  std::unique_ptr<Effect> (*make)(const State& state, std::span<const EffectTable> tables);
+  std::unique_ptr<Effect> (*make)(State& state, std::span<const EffectTable> tables);
 };
 
 /// Every effect there is, in the order in which they run.
@@ -38,7 +38,7 @@ struct EffectRequest {
   EffectTable table;
 };
 
-/// Builds every effect that some table calls for, in running order, and tells each body its elastic modulus.
+/// Builds every effect that some table calls for, in running order.
 /// @throws std::invalid_argument for an unknown effect, an incomplete table, or values that do not fit
 /// together.
 std::vector<std::unique_ptr<Effect>> make_effects(State& state, std::span<const EffectRequest> requests);

@@ -77,7 +77,7 @@ const EffectInfo& volume_effect() {
       .several = false,
       .in_world = false,
       .settings = settings,
-      .make = [](const State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
+      .make = [](State& state, std::span<const EffectTable> tables) -> std::unique_ptr<Effect> {
         return std::make_unique<Volume>(state, tables);
       }};
   return info;
