@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "render/shaders.hpp"
@@ -27,6 +29,34 @@ void check_indices(const DrawnMesh& drawn, std::size_t number) {
         fmt::format("mesh {}: a triangle names point {} of {}", number, highest, drawn.points.size()));
 }
 
+/// By the sign of the volume between the triangles and the middle; so also for containers that are open at the top.
+bool faces_inwards(const DrawnMesh& drawn, const Eigen::Vector3d& middle) {
+  double volume = 0.0;
+  for (const auto& [a, b, c] : drawn.triangles)
+    volume += (drawn.points[a] - middle).dot((drawn.points[b] - middle).cross(drawn.points[c] - middle));
+  return volume < 0.0;
+}
+
+/// Edges that one triangle alone has: rims of what is open, and creases where faces do not share their points.
+std::vector<std::array<std::uint32_t, 2>> lone_edges(const DrawnMesh& drawn) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  edges.reserve(3 * drawn.triangles.size());
+  for (const auto& triangle : drawn.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangle[k], triangle[(k + 1) % 3]);
+      edges.push_back({low, high});
+    }
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::array<std::uint32_t, 2>> lone;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end] == edges[i]) ++end;
+    if (end == i + 1) lone.push_back(edges[i]);
+    i = end;
+  }
+  return lone;
+}
+
 void attribute(GLuint place, GLint size, GLsizei stride, std::size_t offset) {
   glEnableVertexAttribArray(place);
   glVertexAttribPointer(place, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
@@ -41,6 +71,11 @@ void store(GLenum target, const void* data, std::size_t bytes) {
 void UploadedMesh::draw() const {
   glBindVertexArray(array.id());
   glDrawElements(GL_TRIANGLES, corners, GL_UNSIGNED_INT, nullptr);
+}
+
+void UploadedMesh::draw_edges() const {
+  glBindVertexArray(edge_array.id());
+  glDrawElements(GL_LINES, edge_ends, GL_UNSIGNED_INT, nullptr);
 }
 
 void UploadedSpheres::draw() const {
@@ -100,7 +135,19 @@ Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Came
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh.indices.id());
   store(GL_ELEMENT_ARRAY_BUFFER, drawn.triangles.data(), drawn.triangles.size_bytes());
   mesh.corners = static_cast<GLsizei>(3 * drawn.triangles.size());
+  mesh.edge_ends = 0;
+  if (drawn.look.opacity < 1.0f) {
+    const auto edges = lone_edges(drawn);
+    glBindVertexArray(mesh.edge_array.id());
+    attribute(ShaderPlaces::position, 3, 6 * sizeof(float), 0);
+    attribute(ShaderPlaces::normal, 3, 6 * sizeof(float), 3 * sizeof(float));
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh.edges.id());
+    store(GL_ELEMENT_ARRAY_BUFFER, edges.data(), edges.size() * sizeof(edges[0]));
+    mesh.edge_ends = static_cast<GLsizei>(2 * edges.size());
+  }
   mesh.look = drawn.look;
+  mesh.inside_out =
+      drawn.look.opacity < 1.0f && !box.empty() && faces_inwards(drawn, box.center() + camera.target);
   mesh.distance = box.empty() ? 0.0 : (box.center() - (camera.eye - camera.target)).norm();
   return box;
 }

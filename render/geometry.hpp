@@ -14,10 +14,15 @@ struct UploadedMesh {
   gl::Buffer vertices;  ///< position and normal, 6 floats
   gl::Buffer indices;
   GLsizei corners = 0;
+  gl::VertexArray edge_array;
+  gl::Buffer edges;       ///< two indices each
+  GLsizei edge_ends = 0;  ///< translucent meshes only: where just one triangle ends
   Look look;
-  double distance = 0.0;  ///< from the eye to its middle [m]
+  double distance = 0.0;    ///< from the eye to its middle [m]
+  bool inside_out = false;  ///< its triangles face its middle; found for translucent meshes only
 
   void draw() const;
+  void draw_edges() const;
 };
 
 /// Spheres in the driver's memory; one quad each.

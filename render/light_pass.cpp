@@ -6,8 +6,10 @@
 namespace deforma {
 namespace {
 
-// The ground's texture is looked at through a soft filter, so that more texels would not be seen.
-constexpr int ground_size = 320;
+// Texels along the edge of the ground's maps. Shadow and occlusion are soft, more of them would not be seen.
+constexpr int ground_size = 384;
+constexpr int sky_size = 128;
+constexpr int underside_size = 256;
 
 // How wide the light looks from the scene: half its width over its distance.
 constexpr double light_width = 0.10;
@@ -19,6 +21,12 @@ constexpr double occlusion_reach = 0.8;
 gl::Texture depth_texture(int size) {
   gl::Texture texture(GL_TEXTURE_2D);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  return texture;
+}
+
+gl::Texture color_texture(GLint format, int size) {
+  gl::Texture texture(GL_TEXTURE_2D);
+  glTexImage2D(GL_TEXTURE_2D, 0, format, size, size, 0, GL_RG, GL_UNSIGNED_BYTE, nullptr);
   return texture;
 }
 
@@ -49,15 +57,18 @@ void attach(const gl::Framebuffer& target, GLenum place, const gl::Texture& text
 LightPass::LightPass(const ShaderSources& sources, int shadow_size)
     : mesh_depth_("mesh depth", sources.mesh_depth.vertex, sources.mesh_depth.fragment),
       sphere_depth_("sphere depth", sources.sphere_depth.vertex, sources.sphere_depth.fragment),
+      ground_key_program_("ground key", sources.ground_key.vertex, sources.ground_key.fragment),
+      ground_sky_program_("ground sky", sources.ground_sky.vertex, sources.ground_sky.fragment),
       ground_light_program_("ground light", sources.ground_light.vertex, sources.ground_light.fragment),
       shadow_map_(depth_texture(shadow_size)),
-      underside_(depth_texture(ground_size)),
-      ground_light_(GL_TEXTURE_2D),
+      underside_(depth_texture(underside_size)),
+      ground_key_(color_texture(GL_R8, ground_size)),
+      ground_sky_(color_texture(GL_R8, sky_size)),
+      ground_light_(color_texture(GL_RG8, ground_size)),
       compare_(lit_outside(GL_LINEAR)),
       plain_(lit_outside(GL_NEAREST)),
       shadow_size_(shadow_size) {
   glBindTexture(GL_TEXTURE_2D, ground_light_.id());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG8, ground_size, ground_size, 0, GL_RG, GL_UNSIGNED_BYTE, nullptr);
   glGenerateMipmap(GL_TEXTURE_2D);
   // Samplers rule over the other places; this one keeps its own state, for it has mipmaps.
   const float border[] = {1.0f, 1.0f, 1.0f, 1.0f};
@@ -69,12 +80,18 @@ LightPass::LightPass(const ShaderSources& sources, int shadow_size)
   glSamplerParameteri(compare_.id(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
   attach(shadow_target_, GL_DEPTH_ATTACHMENT, shadow_map_, "the shadow map");
   attach(underside_target_, GL_DEPTH_ATTACHMENT, underside_, "the map of undersides");
+  attach(key_target_, GL_COLOR_ATTACHMENT0, ground_key_, "the ground's key light");
+  attach(sky_target_, GL_COLOR_ATTACHMENT0, ground_sky_, "the ground's sky");
   attach(ground_target_, GL_COLOR_ATTACHMENT0, ground_light_, "the ground's light");
-  for (const gl::Program* program : {&mesh_depth_, &sphere_depth_, &ground_light_program_})
+  for (const gl::Program* program :
+       {&mesh_depth_, &sphere_depth_, &ground_key_program_, &ground_sky_program_, &ground_light_program_}) {
     program->bind_block("Frame", ShaderPlaces::frame_block);
-  ground_light_program_.bind_sampler("shadow_map", ShaderPlaces::shadow_map);
-  ground_light_program_.bind_sampler("shadow_depths", ShaderPlaces::shadow_depths);
-  ground_light_program_.bind_sampler("underside", ShaderPlaces::underside);
+    program->bind_sampler("shadow_map", ShaderPlaces::shadow_map);
+    program->bind_sampler("shadow_depths", ShaderPlaces::shadow_depths);
+    program->bind_sampler("underside", ShaderPlaces::underside);
+    program->bind_sampler("ground_key", ShaderPlaces::ground_key);
+    program->bind_sampler("ground_sky", ShaderPlaces::ground_sky);
+  }
 }
 
 bool LightPass::fit(const SceneBounds& bounds, const Eigen::Vector3d& to_light, FrameUniforms& uniforms) {
@@ -138,6 +155,13 @@ void LightPass::draw_depths(const Geometry& geometry, const gl::Framebuffer& tar
   }
 }
 
+void LightPass::draw_texels(const gl::Program& program, const gl::Framebuffer& target, int size) {
+  glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+  glViewport(0, 0, size, size);
+  glUseProgram(program.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
 void LightPass::draw(const Geometry& geometry) {
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
@@ -154,13 +178,13 @@ void LightPass::draw(const Geometry& geometry) {
   if (has_ground_) {
     Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();
     axes(2, 2) = -1.0f;
-    draw_depths(geometry, underside_target_, ground_size, underside_projection_, axes);
+    draw_depths(geometry, underside_target_, underside_size, underside_projection_, axes);
     bind();
-    glBindFramebuffer(GL_FRAMEBUFFER, ground_target_.id());
     glDisable(GL_DEPTH_TEST);
-    glUseProgram(ground_light_program_.id());
     glBindVertexArray(empty_.id());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    draw_texels(ground_key_program_, key_target_, ground_size);
+    draw_texels(ground_sky_program_, sky_target_, sky_size);
+    draw_texels(ground_light_program_, ground_target_, ground_size);
     glActiveTexture(GL_TEXTURE0 + ShaderPlaces::ground_light);
     glBindTexture(GL_TEXTURE_2D, ground_light_.id());
     glGenerateMipmap(GL_TEXTURE_2D);
@@ -180,6 +204,8 @@ void LightPass::bind() const {
   place(ShaderPlaces::shadow_depths, shadow_map_, plain_.id());
   place(ShaderPlaces::underside, underside_, plain_.id());
   place(ShaderPlaces::ground_light, ground_light_, 0);
+  place(ShaderPlaces::ground_key, ground_key_, 0);
+  place(ShaderPlaces::ground_sky, ground_sky_, 0);
 }
 
 }  // namespace deforma

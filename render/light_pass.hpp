@@ -27,17 +27,24 @@ class LightPass {
  private:
   void draw_depths(const Geometry& geometry, const gl::Framebuffer& target, int size,
                    const Eigen::Matrix4f& projection, const Eigen::Matrix3f& axes);
+  void draw_texels(const gl::Program& program, const gl::Framebuffer& target, int size);
 
   gl::Program mesh_depth_;
   gl::Program sphere_depth_;
+  gl::Program ground_key_program_;
+  gl::Program ground_sky_program_;
   gl::Program ground_light_program_;
   gl::Texture shadow_map_;
   gl::Texture underside_;
+  gl::Texture ground_key_;
+  gl::Texture ground_sky_;
   gl::Texture ground_light_;
   gl::Sampler compare_;
   gl::Sampler plain_;
   gl::Framebuffer shadow_target_;
   gl::Framebuffer underside_target_;
+  gl::Framebuffer key_target_;
+  gl::Framebuffer sky_target_;
   gl::Framebuffer ground_target_;
   gl::VertexArray empty_;
   int shadow_size_;

@@ -66,10 +66,11 @@ struct Renderer::Data {
     const ShaderSources sources(sample_mask);
     mesh.emplace("mesh", sources.mesh.vertex, sources.mesh.fragment);
     glass.emplace("glass", sources.glass.vertex, sources.glass.fragment);
+    glass_edge.emplace("glass edge", sources.glass_edge.vertex, sources.glass_edge.fragment);
     sphere.emplace("sphere", sources.sphere.vertex, sources.sphere.fragment);
     ground.emplace("ground", sources.ground.vertex, sources.ground.fragment);
     backdrop.emplace("backdrop", sources.backdrop.vertex, sources.backdrop.fragment);
-    for (const auto* program : {&mesh, &glass, &sphere, &ground, &backdrop}) {
+    for (const auto* program : {&mesh, &glass, &glass_edge, &sphere, &ground, &backdrop}) {
       (*program)->bind_block("Frame", ShaderPlaces::frame_block);
       (*program)->bind_sampler("shadow_map", ShaderPlaces::shadow_map);
       (*program)->bind_sampler("ground_light", ShaderPlaces::ground_light);
@@ -173,16 +174,23 @@ struct Renderer::Data {
     for (const UploadedSpheres& spheres : geometry.spheres())
       if (spheres.look.opacity >= 1.0f) draw_spheres(spheres);
     glBindVertexArray(empty.id());
-    if (with_ground) {
-      glUseProgram(ground->id());
-      glUniform1f(ground->at("drop"), drop);
-      glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-    }
+    if (with_ground) draw_ground();
     // Last and at the far end: only where nothing else is.
     glDepthFunc(GL_LEQUAL);
     glUseProgram(backdrop->id());
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthFunc(GL_LESS);
+  }
+
+  /// The side that is turned away from the eye, or the one that is turned to it.
+  void draw_glass(const std::vector<const UploadedMesh*>& order, bool far_side) const {
+    glEnable(GL_CULL_FACE);
+    for (const UploadedMesh* uploaded : order) {
+      glCullFace(far_side != uploaded->inside_out ? GL_FRONT : GL_BACK);
+      use(*glass, uploaded->look);
+      uploaded->draw();
+    }
+    glDisable(GL_CULL_FACE);
   }
 
   /// Far bodies before near ones, of each the side turned away before the side turned here.
@@ -194,26 +202,26 @@ struct Renderer::Data {
                      [](const UploadedMesh* a, const UploadedMesh* b) { return a->distance > b->distance; });
     glDepthMask(GL_FALSE);
     glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     for (const UploadedSpheres& spheres : geometry.spheres())
       if (spheres.look.opacity < 1.0f) draw_spheres(spheres);
-    glEnable(GL_CULL_FACE);
-    for (const GLenum culled : {GL_FRONT, GL_BACK}) {
-      glCullFace(culled);
-      for (const UploadedMesh* uploaded : order) {
-        use(*glass, uploaded->look);
-        uploaded->draw();
-      }
+    // What is behind, times the share that passes, which the shader gives for each colour.
+    glBlendFunc(GL_ONE, GL_SRC1_COLOR);
+    draw_glass(order, true);
+    for (const UploadedMesh* uploaded : order) {
+      use(*glass_edge, uploaded->look);
+      uploaded->draw_edges();
     }
-    glDisable(GL_CULL_FACE);
+    draw_glass(order, false);
     glDepthMask(GL_TRUE);
   }
 
-  Image read() const {
+  Image read(const PixelBox& inner) const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target.id());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.id());
-    glBlitFramebuffer(0, 0, settings.width, settings.height, 0, 0, settings.width, settings.height,
-                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    const int right = inner.x + inner.width, top = inner.y + inner.height;
+    glBlitFramebuffer(inner.x, inner.y, right, top, inner.x, inner.y, right, top, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved.id());
     Image image;
     image.width = settings.width;
@@ -231,6 +239,35 @@ struct Renderer::Data {
     return image;
   }
 
+  /// Floor and backdrop have no edges that need more than one sample: outside the content's frame they go straight into the
+  /// resolved picture, which on a software driver saves most of the cost of multisampling.
+  void draw_surroundings(const PixelBox& inner, bool with_ground) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, resolved.id());
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    glBindVertexArray(empty.id());
+    const int w = settings.width, h = settings.height;
+    const PixelBox strips[] = {{0, 0, w, inner.y},
+                               {0, inner.y + inner.height, w, h - inner.y - inner.height},
+                               {0, inner.y, inner.x, inner.height},
+                               {inner.x + inner.width, inner.y, w - inner.x - inner.width, inner.height}};
+    for (const PixelBox& strip : strips) {
+      if (strip.width <= 0 || strip.height <= 0) continue;
+      glScissor(strip.x, strip.y, strip.width, strip.height);
+      glUseProgram(backdrop->id());
+      glDrawArrays(GL_TRIANGLES, 0, 3);
+      if (with_ground) draw_ground();
+    }
+    glEnable(GL_DEPTH_TEST);
+  }
+
+  void draw_ground() const {
+    glUseProgram(ground->id());
+    glUniform1f(ground->at("drop"), drop);
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+
   Image draw(const FrameContent& frame) {
     const SceneBounds bounds = geometry.upload(frame);
     const bool shadows = fit(frame, bounds);
@@ -238,23 +275,29 @@ struct Renderer::Data {
     glBufferData(GL_UNIFORM_BUFFER, sizeof uniforms, &uniforms, GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, ShaderPlaces::frame_block, block.id());
     if (shadows) light->draw(geometry);
-    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    const PixelBox inner = bounds_in_picture(bounds.content, uniforms.clip, settings.width, settings.height);
+    const bool with_ground = frame.ground != nullptr;
     glViewport(0, 0, settings.width, settings.height);
     glEnable(GL_FRAMEBUFFER_SRGB);
+    glEnable(GL_SCISSOR_TEST);
+    draw_surroundings(inner, with_ground);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    glScissor(inner.x, inner.y, inner.width, inner.height);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
     glClear(GL_DEPTH_BUFFER_BIT);
-    draw_opaque(frame.ground != nullptr);
+    draw_opaque(with_ground);
     draw_translucent();
-    Image image = read();
+    glDisable(GL_SCISSOR_TEST);
+    Image image = read(inner);
     glDisable(GL_FRAMEBUFFER_SRGB);
     return image;
   }
 
   RendererSettings settings;
   Context context;  // before everything that lives in it
-  std::optional<gl::Program> mesh, glass, sphere, ground, backdrop;
+  std::optional<gl::Program> mesh, glass, glass_edge, sphere, ground, backdrop;
   std::optional<LightPass> light;
   gl::Renderbuffer color, depth, resolved_color;
   gl::Framebuffer target, resolved;

@@ -40,12 +40,12 @@ struct DrawnSpheres {
 /// The floor: a large disc that fades into the background and takes the shadow.
 struct DrawnGround {
   double height = 0.0;  ///< z [m]
-  Eigen::Vector3f color = {0.72f, 0.72f, 0.70f};
+  Eigen::Vector3f color = {0.78f, 0.78f, 0.78f};
 };
 
 struct Light {
   Eigen::Vector3d direction = {-0.4, 0.5, -1.0};  ///< the way it shines
-  Eigen::Vector3f color = {1.0f, 0.97f, 0.92f};
+  Eigen::Vector3f color = {1.0f, 0.985f, 0.965f};
   float intensity = 2.6f;
   float ambient = 0.55f;  ///< of the sky
 };
@@ -63,7 +63,7 @@ struct RendererSettings {
   int width = 1280;
   int height = 720;
   int samples = 4;         ///< multisampling; lowered to what the driver offers
-  int shadow_size = 2048;  ///< texels along the shadow map's edge; 0: no shadow
+  int shadow_size = 1024;  ///< texels along the shadow map's edge; 0: no shadow
 };
 
 /// Draws frames into memory. Use it from the thread that made it.

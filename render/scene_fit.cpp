@@ -25,6 +25,23 @@ void Box::add(const Box& other) {
   max = max.cwiseMax(other.max);
 }
 
+PixelBox bounds_in_picture(const Box& box, const Eigen::Matrix4f& clip, int width, int height) {
+  if (box.empty()) return {};
+  Eigen::Array2d low = Eigen::Array2d::Constant(1.0), high = Eigen::Array2d::Constant(-1.0);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector4d point = clip.cast<double>() * corner_of(box, corner).homogeneous();
+    if (point.w() <= 0.0) return {0, 0, width, height};
+    low = low.min(point.head<2>().array() / point.w());
+    high = high.max(point.head<2>().array() / point.w());
+  }
+  const Eigen::Array2d size(width, height);
+  const Eigen::Array2d first = (0.5 * (low.max(-1.0) + 1.0) * size - 2.0).floor().max(0.0);
+  const Eigen::Array2d last = (0.5 * (high.min(1.0) + 1.0) * size + 2.0).ceil().min(size);
+  if ((first >= last).any()) return {};
+  return {static_cast<int>(first.x()), static_cast<int>(first.y()), static_cast<int>(last.x() - first.x()),
+          static_cast<int>(last.y() - first.y())};
+}
+
 DepthRange fit_depth(const SceneBounds& bounds, const Eigen::Vector3d& eye, double ground_radius) {
   const double away = eye.norm();
   const Eigen::Vector3d back = eye / away;

@@ -26,6 +26,14 @@ struct SceneBounds {
   double ground = 0.0;  ///< its height
 };
 
+/// Pixels, counted from the lower left.
+struct PixelBox {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Where a box can be seen in a picture, a little widened; all of it when the box reaches behind the eye.
+PixelBox bounds_in_picture(const Box& box, const Eigen::Matrix4f& clip, int width, int height);
+
 /// Distances along the view between which all of the scene lies [m].
 struct DepthRange {
   double near_plane = 0.1;

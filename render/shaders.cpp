@@ -22,7 +22,7 @@ uniform vec4 color;  // linear; opacity
 uniform vec2 finish;  // roughness; 1 for one normal per triangle
 in vec3 p;
 in vec3 smooth_normal;
-out vec4 result;
+layout(location = 0, index = 0) out vec4 result;
 
 vec3 surface_normal() {
   vec3 n = finish.y != 0.0 ? cross(dFdx(p), dFdy(p)) : (gl_FrontFacing ? smooth_normal : -smooth_normal);
@@ -37,23 +37,47 @@ void main() {
 }
 )";
 
-// A thin wall: the way through it grows as 1 / cos, so that it thickens and reflects towards its outline.
+// A thin wall: the way through it grows as 1 / cos, so that it thickens and reflects towards its outline. Half of what it
+// stops is scattered in its colour, the other half passes through tinted.
 const char* const glass_fragment = R"(
+layout(location = 0, index = 1) out vec4 passed;  // share of what lies behind
+
+// Two upright lamps to the left and right of the camera: their mirror images are what a curved glass is seen by.
+float lamps(vec3 d) {
+  vec2 ahead = normalize(eye.xy + vec2(1e-6, 0.0));
+  vec2 way = normalize(d.xy + vec2(1e-6, 0.0));
+  float left = dot(way, vec2(0.17 * ahead.x + 0.985 * ahead.y, 0.17 * ahead.y - 0.985 * ahead.x));
+  float right = dot(way, vec2(-0.26 * ahead.x - 0.966 * ahead.y, -0.26 * ahead.y + 0.966 * ahead.x));
+  float upright = smoothstep(-0.65, -0.45, d.z) * (1.0 - smoothstep(0.5, 0.75, d.z));
+  return upright * (smoothstep(0.955, 0.985, left) + 0.5 * smoothstep(0.98, 0.995, right));
+}
+
 void main() {
   vec3 n = surface_normal();
   vec3 v = normalize(eye.xyz - p);
   float nv = clamp(dot(n, v), 0.05, 1.0);
-  float mirror = fresnel(nv) * (gl_FrontFacing ? 1.0 : 0.6);
-  float body = 1.0 - pow(1.0 - color.a, 1.0 / max(nv, 0.16));
+  float mirror = fresnel(nv);
+  float body = 1.0 - pow(1.0 - color.a, 1.0 / max(nv, 0.1));
   vec3 from_floor = floor_light(p);
-  vec3 scattered = color.rgb * (mix(from_floor, vec3(key.w), 0.5 + 0.5 * n.z)
-                                + key.rgb * (0.25 * inverse_pi * (1.0 + dot(n, key_to.xyz))));
+  vec3 light = mix(from_floor, vec3(key.w), 0.5 + 0.5 * n.z) + key.rgb * (0.25 * inverse_pi * (1.0 + dot(n, key_to.xyz)));
   float alpha = max(finish.x * finish.x, 0.01);
-  vec3 shade = scattered * body * (1.0 - mirror) + mirror * studio(reflect(-v, n), finish.x, from_floor)
+  vec3 r = reflect(-v, n);
+  vec3 shade = color.rgb * light * (0.5 * body * (1.0 - mirror))
+             + mirror * (studio(r, finish.x, from_floor) + key.w * 7.0 * (1.0 - finish.x) * lamps(r))
              + directional(vec3(0.0), alpha, n, v, nv, key_to.xyz, key.rgb)
              + directional(vec3(0.0), alpha, n, v, nv, rim_to.xyz, rim.rgb);
-  float covered = 1.0 - (1.0 - body) * (1.0 - mirror);
-  result = vec4(tone_map(shade / covered) * covered, covered);  // premultiplied
+  passed = vec4((1.0 - mirror) * (1.0 - body + 0.5 * body * color.rgb), 0.0);
+  float covered = 1.0 - passed.g;
+  result = vec4(tone_map(shade / covered) * covered, 1.0);
+}
+)";
+
+// A rim: the polished end of a wall, bright against what is dark and coloured against what is bright.
+const char* const glass_edge_fragment = R"(
+layout(location = 0, index = 1) out vec4 passed;
+void main() {
+  result = vec4(tone_map(color.rgb * (key.w + 0.5 * inverse_pi * key.rgb)) * 0.35, 1.0);
+  passed = vec4(0.45 * color.rgb, 0.0);
 }
 )";
 
@@ -182,7 +206,7 @@ void main() {
 }
 )";
 
-const char* const ground_light_vertex = R"(
+const char* const texels_vertex = R"(
 out vec2 place;
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
@@ -191,66 +215,92 @@ void main() {
 }
 )";
 
-// Key light: percentage-closer soft shadows (Fernando 2005): the penumbra is as wide as the blockers are far,
-// times the light's width. The receiver is a plane, so its depth under every tap is known and no bias is
-// needed. Sky: a horizontal patch at height h over a ring from r1 to r2 takes r2^2/(r2^2+h^2) -
-// r1^2/(r1^2+h^2) of the cosine-weighted sky (the form factor of a disc); rings of taps find h in the map of
-// undersides.
-const char* const ground_light_fragment = R"(
+// Percentage-closer soft shadows (Fernando 2005): the penumbra is as wide as the blockers are far, times the light's width.
+// The receiver is a plane, so its depth under every tap is known and no bias is needed. Each texel of a 4 x 4 block turns the
+// taps by another sixteenth; the mean over a block, taken later, has all of them.
+const char* const ground_key_fragment = R"(
 uniform sampler2DShadow shadow_map;
 uniform sampler2D shadow_depths;
-uniform sampler2D underside;
 in vec2 place;
 out vec4 result;
 const mat2 golden = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
-
-float key_share(vec2 spot) {
+void main() {
+  ivec2 texel = ivec2(gl_FragCoord.xy);
+  int x = texel.x ^ texel.y;
+  float turn = float(((x & 1) << 3) | ((texel.y & 1) << 2) | (x & 2) | ((texel.y & 2) >> 1)) / 16.0;
+  vec2 spot = region.xy + place / region.zw;
   vec3 s = (shadow * vec4(spot, ground.x, 1.0)).xyz;
   float reach = blur.w * clamp(s.z, 0.0, 2.0) + 2.0 * plane.z;
   float blockers = 0.0, height = 0.0;
-  vec2 way = vec2(1.0, 0.0);
-  for (int i = 0; i < 20; ++i) {
+  vec2 first = vec2(cos(6.2831853 * turn), sin(6.2831853 * turn));
+  vec2 way = first;
+  for (int i = 0; i < 14; ++i) {
     way = golden * way;
-    vec2 tap = way * (reach * sqrt((float(i) + 0.5) / 20.0));
+    vec2 tap = way * (reach * sqrt((float(i) + turn) / 14.0));
     float gap = s.z + dot(plane.xy, tap) - textureLod(shadow_depths, s.xy + tap, 0.0).r;
     blockers += gap > 0.0 ? 1.0 : 0.0;
     height += max(gap, 0.0);
   }
   float radius = max(blur.w * height / max(blockers, 1.0), 1.5 * plane.z);
-  int taps = blockers == 0.0 ? 0 : 32;
+  // A loop of length zero is skipped, a branch not taken is not: see key_share of the bodies.
+  int taps = blockers == 0.0 ? 0 : 16;
   float lit = 0.0;
+  way = first;
   for (int i = 0; i < taps; ++i) {
     way = golden * way;
-    vec2 tap = way * (radius * sqrt((float(i) + 0.5) / 32.0));
+    vec2 tap = way * (radius * sqrt((float(i) + turn) / 16.0));
     lit += textureLod(shadow_map, vec3(s.xy + tap, min(s.z + dot(plane.xy, tap), 1.0)), 0.0);
   }
-  return taps == 0 ? 1.0 : lit / float(taps);
+  result = vec4(taps == 0 ? 1.0 : lit / float(taps), 0.0, 0.0, 1.0);
 }
+)";
 
-float sky_share() {
+// A horizontal patch at height h over a ring from r1 to r2 takes r2^2/(r2^2+h^2) - r1^2/(r1^2+h^2) of the cosine-weighted sky
+// (the form factor of a disc); rings of taps find h in the map of undersides.
+const char* const ground_sky_fragment = R"(
+uniform sampler2D underside;
+in vec2 place;
+out vec4 result;
+const mat2 golden = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
+void main() {
   float covered = 0.0;
   float inner = 0.0;
-  float outer = 0.025 * rim_to.w;
+  float outer = 0.04 * rim_to.w;
   vec2 way = vec2(1.0, 0.0);
   for (int ring = 0; ring < 6; ++ring) {
-    float r = 0.5 * (inner + outer);
-    for (int i = 0; i < 10; ++i) {
+    for (int i = 0; i < 20; ++i) {
       way = golden * way;
+      float r = mix(inner, outer, (float(i) + 0.5) / 20.0);
       float h = textureLod(underside, place + way * r * region.zw, 0.0).r;
       float h2 = h * h * plane.w * plane.w + 1e-9;
       covered += h >= 1.0 ? 0.0 : outer * outer / (outer * outer + h2) - inner * inner / (inner * inner + h2);
     }
     inner = outer;
-    outer *= 1.9;
+    outer *= 1.75;
   }
-  return clamp(1.0 - covered / 10.0, 0.0, 1.0);
+  result = vec4(clamp(1.0 - covered / 20.0, 0.0, 1.0), 0.0, 0.0, 1.0);
 }
+)";
 
+// Means over 4 x 4 texels, by four taps that each lie between four. Under a body some light still comes by way of other
+// surfaces, so nothing is quite black. Towards the edge of what is baked both shares go to 1.
+const char* const ground_light_fragment = R"(
+uniform sampler2D ground_key;
+uniform sampler2D ground_sky;
+in vec2 place;
+out vec4 result;
+float mean(sampler2D map) {
+  vec2 texel = 1.0 / vec2(textureSize(map, 0));
+  float sum = 0.0;
+  for (int i = 0; i < 4; ++i) sum += textureLod(map, place + texel * (vec2(i & 1, i >> 1) * 2.0 - 1.0), 0.0).r;
+  return 0.25 * sum;
+}
 void main() {
-  vec2 spot = region.xy + place / region.zw;
-  vec2 edge = smoothstep(vec2(0.0), vec2(0.08), min(place, 1.0 - place));
+  vec2 edge = smoothstep(vec2(0.0), vec2(0.1), min(place, 1.0 - place));
   float inside = edge.x * edge.y;
-  result = vec4(mix(1.0, key_share(spot), inside), mix(1.0, sky_share(), inside), 0.0, 1.0);
+  float sky = mean(ground_sky);
+  sky = 0.16 + sky * (0.70 + 0.14 * sky);
+  result = vec4(mix(1.0, mean(ground_key), inside), mix(1.0, sky, inside), 0.0, 1.0);
 }
 )";
 
@@ -262,12 +312,15 @@ ShaderSources::ShaderSources(bool sample_mask) {
   const std::string light = color + shader_light();
   mesh = {head + mesh_vertex, light + mesh_surface + mesh_fragment};
   glass = {head + mesh_vertex, light + mesh_surface + glass_fragment};
+  glass_edge = {head + mesh_vertex, light + mesh_surface + glass_edge_fragment};
   sphere = {head + sphere_vertex, light + sphere_fragment};
   ground = {head + ground_vertex, color + ground_fragment};
   backdrop = {head + backdrop_vertex, color + backdrop_fragment};
   mesh_depth = {head + mesh_depth_vertex, head + empty_fragment};
   sphere_depth = {head + sphere_depth_vertex, head + sphere_depth_fragment};
-  this->ground_light = {head + ground_light_vertex, head + ground_light_fragment};
+  ground_key = {head + texels_vertex, head + ground_key_fragment};
+  ground_sky = {head + texels_vertex, head + ground_sky_fragment};
+  ground_light = {head + texels_vertex, head + ground_light_fragment};
 }
 
 }  // namespace deforma

@@ -10,8 +10,9 @@ struct ShaderPlaces {
   static constexpr int shadow_map = 0;     ///< compared by the hardware
   static constexpr int shadow_depths = 1;  ///< the same texture, its plain depths
   static constexpr int underside = 2;      ///< heights of what hangs above the ground
-  static constexpr int ground_light =
-      3;  ///< baked: share of the light and of the sky that reaches the ground
+  static constexpr int ground_light = 3;   ///< baked: share of the key light and of the sky on the ground
+  static constexpr int ground_key = 4;     ///< on the way to it: the key light's share, noisy
+  static constexpr int ground_sky = 5;     ///< and the sky's, coarse
   static constexpr unsigned position = 0;
   static constexpr unsigned normal = 1;
 };
@@ -30,12 +31,15 @@ struct ShaderSources {
   explicit ShaderSources(bool sample_mask);
   ShaderSource mesh;          ///< lit triangles
   ShaderSource glass;         ///< translucent triangles
+  ShaderSource glass_edge;    ///< their rims and creases, as lines
   ShaderSource sphere;        ///< lit spheres, one quad each
   ShaderSource ground;        ///< the floor
   ShaderSource backdrop;      ///< what lies behind everything
   ShaderSource mesh_depth;    ///< triangles into a depth map by a parallel projection
   ShaderSource sphere_depth;  ///< spheres into a depth map by a parallel projection
-  ShaderSource ground_light;  ///< light and occlusion of the floor, once per texel
+  ShaderSource ground_key;    ///< share of the key light that reaches the floor, once per texel
+  ShaderSource ground_sky;    ///< share of the sky that reaches the floor, once per coarse texel
+  ShaderSource ground_light;  ///< both, smoothed
 };
 
 }  // namespace deforma
