@@ -21,8 +21,10 @@ constexpr double clearance =
     1e-3;                        // of the spacing: closer points count as on the surface, which is not inside
 constexpr double growth = 1.03;  // of the spacing from one trial to the next while looking for a bracket
 constexpr int most_growths = 240;     // a factor of 1200: a plate can be so much thinner than (V / N)^(1/3)
-constexpr int most_halvings = 14;     // of a bracket of 3 %: down to 2e-6
+constexpr double least_scale = 0.5;   // eight times as full as needed: such a shift misses a thin solid
+constexpr int most_halvings = 10;     // of a bracket of 3 %: down to 3e-5
 constexpr double spare_share = 0.02;  // of the points may be left out before shifted lattices are tried
+constexpr double fine_share = 0.001;  // of the points may be left out without refining the spacing further
 constexpr double far_off = 0.1;  // logarithm of spacing / (V / N)^(1/3) beyond which other lattices are tried
 constexpr int shifts_tried = 12;
 
@@ -84,11 +86,15 @@ struct Trial {
   double scale = 1.0;  ///< spacing / (V / N)^(1/3)
 };
 
-/// The fullest that is not too full: walks from scale 1 to where the count passes `count`, then halves the bracket.
-std::optional<Trial> search(const Solid& solid, CellKind kind, std::size_t count, const Shift& shift) {
+/// The widest with `count` points or more: walks from scale 1 to where the count passes `count`, then halves the
+/// bracket. Gives up where |log scale| passes `worst`.
+std::optional<Trial> search(const Solid& solid, CellKind kind, std::size_t count, const Shift& shift,
+                            double worst) {
   double base = std::cbrt(solid.volume() / static_cast<double>(count));
   auto at = [&](double scale) { return Trial{fill(solid, kind, base * scale, shift), scale}; };
-  std::size_t good_enough = count + count / 1000;
+  // Filling an open mesh takes a winding number per point: there the first lattice that will do is taken.
+  double spare = solid.closed() ? fine_share : spare_share;
+  auto good_enough = count + static_cast<std::size_t>(spare * static_cast<double>(count));
 
   Trial enough = at(1.0);
   double too_few = 0.0;
@@ -102,10 +108,11 @@ std::optional<Trial> search(const Solid& solid, CellKind kind, std::size_t count
         too_few = wider.scale;
     }
   } else {
-    for (int i = 0; enough.points.size() < count; ++i) {
-      if (i == most_growths) return std::nullopt;
+    while (enough.points.size() < count) {
       too_few = enough.scale;
-      enough = at(enough.scale / growth);
+      double scale = enough.scale / growth;
+      if (scale < least_scale || -std::log(scale) > worst) return std::nullopt;
+      enough = at(scale);
     }
   }
   for (int i = 0; i < most_halvings && enough.points.size() > good_enough; ++i) {
@@ -176,7 +183,7 @@ Points lattice_by_count(const Solid& solid, CellKind kind, std::size_t count) {
   for (const auto* shifts : {&symmetric, &shifted})
     for (const Shift& shift : *shifts) {
       if (good()) break;
-      std::optional<Trial> trial = search(solid, kind, count, shift);
+      std::optional<Trial> trial = search(solid, kind, count, shift, best_cost);
       if (!trial) continue;
       double spare = static_cast<double>(trial->points.size() - count) / static_cast<double>(count);
       double cost = spare + std::abs(std::log(trial->scale));

@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 
 // An open flat sheet has 1/2 exactly on it; rounding must not make that a volume.
 constexpr double inside_threshold = 0.5 + 1e-6;
+constexpr double sheet = 0.6;   // |sum of area vectors| / area: 0 closed, 0.5 a half sphere, 1 a flat sheet
 constexpr double flat = 1e-12;  // of the cube of the diagonal: below it there is no volume
 constexpr double columns_counted =
     2e4;  // through a closed mesh, to find overlaps and the volume of their union
@@ -43,6 +44,16 @@ int side_of(const TriangleTree::Triangle& t, int from, int to, double x, double 
   return swapped ? -sign : sign;
 }
 
+/// How much of the area faces one way: what is missing to close the mesh, as a share of its area.
+double openness(const Mesh& mesh, double area) {
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& t : mesh.triangles) {
+    const Vector3d& a = mesh.points[t[0]];
+    sum += 0.5 * (mesh.points[t[1]] - a).cross(mesh.points[t[2]] - a);
+  }
+  return area > 0.0 ? sum.norm() / area : 1.0;
+}
+
 double height_at(const std::array<Vector3d, 3>& corner, double x, double y) {
   std::array<double, 3> weight;
   for (int i = 0; i < 3; ++i) {
@@ -63,6 +74,7 @@ Solid::Solid(const Mesh& mesh)
     : facts_(inspect(mesh)), tree_(mesh), winding_(tree_), closed_(is_closed(mesh)) {
   double least = flat * std::pow((facts_.max - facts_.min).norm(), 3);
   if ((facts_.max - facts_.min).prod() <= least) return;
+  if (!closed_ && openness(mesh, facts_.area) > sheet) return;
   bool irregular = false;
   double counted = count_volume(irregular);
   volume_ = closed_ && !irregular ? std::abs(facts_.volume) : counted;

@@ -28,6 +28,9 @@ class Solid {
   /// One sentence for each way in which the mesh is not a plain closed surface.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
+  /// Whether every edge is walked as often one way as the other; then inside is decided exactly.
+  bool closed() const { return closed_; }
+
   bool contains(const Eigen::Vector3d& point) const;
 
   /// Marks which of the points (x, y, z0), (x, y, z0 + step), ... are inside, one mark for each element of `inside`.
