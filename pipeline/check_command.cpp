@@ -31,9 +31,8 @@ std::size_t memory_of(const Solver& solver) {
   const Particles& p = state.particles;
   std::size_t bytes = bytes_of(p.rest) + bytes_of(p.displacement) + bytes_of(p.velocity) + bytes_of(p.mass) +
                       bytes_of(p.volume) + bytes_of(p.body) + bytes_of(state.links.links) +
-                      bytes_of(state.links.weight) + bytes_of(state.links.start) +
-                      bytes_of(state.fit.inverse) + bytes_of(state.fit.plane) + bytes_of(state.F) +
-                      bytes_of(state.F_rate) + bytes_of(state.surface.rest) +
+                      bytes_of(state.links.start) + bytes_of(state.fit.inverse) + bytes_of(state.fit.plane) +
+                      bytes_of(state.F) + bytes_of(state.F_rate) + bytes_of(state.surface.rest) +
                       bytes_of(state.surface.triangles) + bytes_of(state.surface.position) +
                       bytes_of(state.surface.velocity) + bytes_of(state.surface.skin.ties);
   for (const auto& effect : solver.effects()) bytes += effect->bytes();

@@ -12,6 +12,7 @@
 #include "pipeline/files.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/user_error.hpp"
+#include "sim/types.hpp"
 
 namespace deforma {
 

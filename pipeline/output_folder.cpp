@@ -76,7 +76,7 @@ fs::path OutputFolder::video_file(const std::string& extension) const {
 }
 
 void write_text(const fs::path& file, const std::string& text) {
-  fs::path temporary = file.parent_path() / ("." + file.filename().string() + ".part");
+  fs::path temporary = file.parent_path() / fmt::format(".{}.part", file.filename().string());
   std::ofstream stream(temporary, std::ios::binary);
   stream << text;
   stream.close();

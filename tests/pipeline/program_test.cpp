@@ -1,0 +1,239 @@
+#include "tests/pipeline/program.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "pipeline/files.hpp"
+#include "render/video.hpp"
+#include "sim/effects/registry.hpp"
+#include "tests/pipeline/scratch.hpp"
+
+namespace deforma {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const std::string tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+std::string run_line(const fs::path& scene, const fs::path& folder, const std::string& more = "") {
+  return "run " + scene.string() + " -o " + folder.string() + " " + more;
+}
+
+TEST(Program, HelpAndVersionEverywhere) {
+  for (const char* command : {"", "run", "check", "effects", "mesh", "new"}) {
+    Said help = deforma_program(std::string(command) + " --help");
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.text, HasSubstr("Usage:"));
+    Said version = deforma_program(std::string(command) + " --version");
+    EXPECT_EQ(version.code, 0);
+    EXPECT_THAT(version.text, testing::StartsWith("deforma "));
+  }
+}
+
+TEST(Program, UnknownArgumentsAreToldWithTheNearest) {
+  Said option = deforma_program("run x.toml --overwrit");
+  EXPECT_EQ(option.code, 2);
+  EXPECT_THAT(option.text, HasSubstr("unknown argument '--overwrit'; did you mean '--overwrite'?"));
+  Said command = deforma_program("rnu x.toml");
+  EXPECT_EQ(command.code, 2);
+  EXPECT_THAT(command.text, HasSubstr("did you mean 'run'?"));
+  EXPECT_EQ(deforma_program("").code, 2);
+  EXPECT_EQ(deforma_program("run").code, 2);
+  EXPECT_EQ(deforma_program("run a.toml --threads 0").code, 2);
+}
+
+TEST(Program, EffectsListsTheWholeRegistry) {
+  Said said = deforma_program("effects");
+  EXPECT_EQ(said.code, 0);
+  for (const EffectInfo& info : effect_registry()) {
+    EXPECT_THAT(said.text, HasSubstr("\n" + std::string(info.name) + ": " + std::string(info.summary)));
+    for (const Setting& setting : info.settings)
+      EXPECT_THAT(said.text, HasSubstr(std::string(setting.meaning)));
+  }
+}
+
+TEST(Program, MeshSaysWhatAFileHolds) {
+  Scratch scratch;
+  Said said = deforma_program("mesh " + scratch.write("tetra.obj", tetrahedron).string());
+  EXPECT_EQ(said.code, 0);
+  EXPECT_THAT(said.text,
+              AllOf(HasSubstr("triangles            4"), HasSubstr("boundary edges       0 (closed)"),
+                    HasSubstr("volume               0.166667 m3"), HasSubstr("components           1")));
+  Said missing = deforma_program("mesh " + (scratch / "tetr.obj").string());
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.text, HasSubstr("did you mean 'tetra.obj'?"));
+}
+
+TEST(Program, CheckSaysWhatRunningTakes) {
+  Scratch scratch;
+  Said said = deforma_program("check " + scratch.write("scene.toml", small_scene()).string());
+  EXPECT_EQ(said.code, 0) << said.text;
+  for (const char* word : {"box", "particles", "neighbours", "time step", "substeps", "memory",
+                           "expected time", "elastic, hourglass", "ground"})
+    EXPECT_THAT(said.text, HasSubstr(word));
+}
+
+TEST(Program, CheckWarnsOfABodyThatNothingStops) {
+  Scratch scratch;
+  std::string text = small_scene();
+  text.replace(text.find("contact = true"), 14, "contact = false");
+  Said said = deforma_program("check " + scratch.write("scene.toml", text).string());
+  EXPECT_THAT(said.text, HasSubstr("warning: box: falls through every obstacle: it has no 'contact'"));
+}
+
+TEST(Program, CheckWarnsOfBodiesThatBeginInsideSomething) {
+  Scratch scratch;
+  std::string other =
+      "[[body]]\nname = \"other\"\nshape = { type = \"box\", size = [0.4, 0.4, 0.4] }\nposition = [0.2, 0, "
+      "0.5]\n"
+      "particles = 64\ncontact = true\n[[obstacle]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = "
+      "0.2 }\n"
+      "position = [0, 0, 0.8]\n";
+  Said said = deforma_program("check " + scratch.write("scene.toml", small_scene("", other)).string());
+  EXPECT_THAT(said.text, HasSubstr("inside other"));
+  EXPECT_THAT(said.text, HasSubstr("deep inside the solid part of ball"));
+}
+
+TEST(Program, TheStarterSceneChecksAndRuns) {
+  Scratch scratch;
+  scratch.write("tetra.obj", tetrahedron);
+  fs::path plain = scratch / "plain.toml", fitted = scratch / "sub/fitted.toml";
+  fs::create_directories(scratch / "sub");
+  EXPECT_EQ(deforma_program("new -o " + plain.string()).code, 0);
+  EXPECT_EQ(deforma_program("new --from " + (scratch / "tetra.obj").string() + " -o " + fitted.string()).code,
+            0);
+  EXPECT_THAT(read_text_file(fitted), HasSubstr("mesh = \"../tetra.obj\""));
+  for (const fs::path& scene : {plain, fitted}) {
+    Said check = deforma_program("check " + scene.string());
+    EXPECT_EQ(check.code, 0) << check.text;
+    EXPECT_THAT(check.text, testing::Not(HasSubstr("warning")));
+    Said run =
+        deforma_program(run_line(scene, scratch / scene.stem(), "--frames 1:3 --size 160x120 --quiet"));
+    EXPECT_EQ(run.code, 0) << run.text;
+    EXPECT_EQ(run.text, "");
+    EXPECT_TRUE(fs::exists(scratch / scene.stem() / "frames/0003.png"));
+  }
+  EXPECT_EQ(deforma_program("new").code, 0);
+  Said again = deforma_program("new -o " + plain.string());
+  EXPECT_EQ(again.code, 2);
+  EXPECT_THAT(again.text, HasSubstr("exists"));
+}
+
+TEST(Program, RunTakesItsOptions) {
+  Scratch scratch;
+  fs::path scene = scratch.write("scene.toml", small_scene());
+  Said said = deforma_program(run_line(scene, scratch / "out",
+                                       "--frames 2:3 --size 200x100 --no-video --threads 1 --view both "
+                                       "--set body.0.density=500 --set 'world.gravity=[0,0,-1]'"));
+  EXPECT_EQ(said.code, 0) << said.text;
+  EXPECT_FALSE(fs::exists(scratch / "out/video.mp4"));
+  EXPECT_FALSE(fs::exists(scratch / "out/frames/0001.png"));
+  EXPECT_EQ(read_png(scratch / "out/frames/0003.png").width, 200);
+  std::string resolved = read_text_file(scratch / "out/scene.toml");
+  EXPECT_THAT(resolved,
+              AllOf(HasSubstr("density = 500"), HasSubstr("[0.0, 0.0, -1.0]"), HasSubstr("view = \"both\"")));
+}
+
+TEST(Program, AnExistingFolderIsRefusedUnlessToldToOverwrite) {
+  Scratch scratch;
+  fs::path scene = scratch.write("scene.toml", small_scene());
+  ASSERT_EQ(deforma_program(run_line(scene, scratch / "out", "--quiet")).code, 0);
+  std::ofstream(scratch / "out/notes.txt") << "mine";
+  std::ofstream(scratch / "out/frames/mine.png") << "mine";
+  Said refused = deforma_program(run_line(scene, scratch / "out"));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.text, AllOf(HasSubstr("exists and is not empty"), HasSubstr("--overwrite")));
+  EXPECT_TRUE(fs::exists(scratch / "out/frames/0010.png"));
+  EXPECT_EQ(deforma_program(run_line(scene, scratch / "out", "--overwrite --frames 1:2 --quiet")).code, 0);
+  EXPECT_FALSE(fs::exists(scratch / "out/frames/0010.png"));
+  EXPECT_TRUE(fs::exists(scratch / "out/frames/0002.png"));
+  EXPECT_EQ(read_text_file(scratch / "out/notes.txt"), "mine");
+  EXPECT_EQ(read_text_file(scratch / "out/frames/mine.png"), "mine");
+  EXPECT_EQ(inspect_video(scratch / "out/video.mp4").frames, 2u);
+}
+
+TEST(Program, MistakesEndWithTwoOneMessageAndNothingLeft) {
+  Scratch scratch;
+  fs::path good = scratch.write("good.toml", small_scene());
+  scratch.write("text.obj", "this is no mesh\n");
+  scratch.write("blocked", "a file where a folder should be");
+  std::string body_of_text = "duration = 1\n[[body]]\nmesh = \"text.obj\"\nparticles = 10\n";
+  std::string flat = "duration = 1\n[[body]]\nmesh = \"flat.obj\"\nparticles = 10\n";
+  scratch.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  std::string many = small_scene();
+  many.replace(many.find("particles = 64"), 14, "particles = 1000000000");
+  struct Mistake {
+    std::string line, message;
+  };
+  fs::path out = scratch / "deep/out";
+  const std::vector<Mistake> mistakes = {
+      {run_line(scratch.write("typo.toml", small_scene("elastic = { youngs = 1 }")), out),
+       "did you mean 'young'?"},
+      {run_line(scratch.write("nu.toml", small_scene("elastic = { young = 1e5, poisson = 0.5 }")), out),
+       "0.5 is outside (-1, 0.5)"},
+      {run_line(scratch.write("gone.toml", "duration = 1\n[[body]]\nmesh = \"txt.obj\"\nparticles = 10\n"),
+                out),
+       "gone.toml:3: body.mesh: no such file 'txt.obj'"},
+      {run_line(scratch.write("nomesh.toml", body_of_text), out), "nomesh.toml:3: body.mesh: "},
+      {run_line(scratch.write("flat.toml", flat), out), "flat.toml:2: body: "},
+      {run_line(scratch.write("many.toml", many), out), "many.toml:7: body: "},
+      {run_line(scratch / "god.toml", out), "did you mean 'good.toml'?"},
+      {run_line(good, scratch / "blocked/out"), "blocked is no folder"},
+      {run_line(good, "/proc/deforma/out"), "/proc"},
+      {run_line(good, out, "--frames 0:3"), "outside the scene's frames 1:10"},
+      {run_line(good, out, "--frames 3:99"), "outside the scene's frames 1:10"},
+      {run_line(good, out, "--frames a:b"), "expected A:B"},
+      {run_line(good, out, "--size 640"), "expected WxH"},
+      {run_line(good, out, "--size 0x9"), "--size 0x9: output.size: 0 pixels is outside"},
+      {run_line(good, out, "--view solid"), "--view solid: output.view: unknown choice 'solid'"},
+      {run_line(good, out, "--platform windows"), "windows"},
+      {run_line(good, out, "--set body.0.densty=3"), "unknown key 'densty'; did you mean 'density'?"},
+      {run_line(good, out, "--set 'camera.position=[0,0,5]' --set 'camera.target=[0,0,0]'"),
+       "along its up direction"},
+  };
+  for (const Mistake& mistake : mistakes) {
+    Said said = deforma_program(mistake.line);
+    EXPECT_EQ(said.code, 2) << mistake.line << "\n" << said.text;
+    EXPECT_THAT(said.text, AllOf(testing::StartsWith("error: "), HasSubstr(mistake.message))) << mistake.line;
+    EXPECT_EQ(std::count(said.text.begin(), said.text.end(), '\n'), 1) << said.text;
+    EXPECT_FALSE(fs::exists(scratch / "deep")) << mistake.line;
+  }
+}
+
+TEST(Program, AnInterruptedRunLeavesAValidVideo) {
+  Scratch scratch;
+  fs::path scene = scratch.write("scene.toml", small_scene());
+  fs::path out = scratch / "out";
+  pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    execl(DEFORMA_PROGRAM, DEFORMA_PROGRAM, "run", scene.c_str(), "-o", out.c_str(), "--set", "duration=400",
+          "--quiet", static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!fs::exists(out / "frames/0003.png") && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  kill(child, SIGINT);
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  std::size_t pictures = 0;
+  for (const auto& entry : fs::directory_iterator(out / "frames"))
+    pictures += entry.path().extension() == ".png";
+  EXPECT_GE(pictures, 3u);
+  EXPECT_LT(pictures, 10000u);
+  EXPECT_EQ(inspect_video(out / "video.mp4").frames, pictures);
+  EXPECT_THAT(read_text_file(out / "report.json"), HasSubstr("\"interrupted\""));
+}
+
+}  // namespace
+}  // namespace deforma
