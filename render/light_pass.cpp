@@ -7,8 +7,8 @@ namespace deforma {
 namespace {
 
 // Texels along the edge of the ground's maps. Shadow and occlusion are soft, more of them would not be seen.
-constexpr int ground_size = 384;
-constexpr int sky_size = 128;
+constexpr int ground_size = 320;
+constexpr int sky_size = 96;
 constexpr int underside_size = 256;
 
 // How wide the light looks from the scene: half its width over its distance.

@@ -44,10 +44,10 @@ struct DrawnGround {
 };
 
 struct Light {
-  Eigen::Vector3d direction = {-0.4, 0.5, -1.0};  ///< the way it shines
+  Eigen::Vector3d direction = {0.6, 0.45, -1.0};  ///< the way it shines
   Eigen::Vector3f color = {1.0f, 0.985f, 0.965f};
-  float intensity = 2.6f;
-  float ambient = 0.55f;  ///< of the sky
+  float intensity = 2.7f;
+  float ambient = 0.5f;  ///< of the sky
 };
 
 struct FrameContent {

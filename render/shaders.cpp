@@ -10,7 +10,9 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 out vec3 p;
 out vec3 smooth_normal;
+out vec3 from_floor;
 void main() {
+  from_floor = floor_light(position);
   p = position;
   smooth_normal = normal;
   gl_Position = clip * vec4(position, 1.0);
@@ -22,6 +24,7 @@ uniform vec4 color;  // linear; opacity
 uniform vec2 finish;  // roughness; 1 for one normal per triangle
 in vec3 p;
 in vec3 smooth_normal;
+in vec3 from_floor;
 layout(location = 0, index = 0) out vec4 result;
 
 vec3 surface_normal() {
@@ -32,7 +35,7 @@ vec3 surface_normal() {
 
 const char* const mesh_fragment = R"(
 void main() {
-  vec3 shade = body_color(color.rgb, finish.x, p, surface_normal());
+  vec3 shade = body_color(color.rgb, finish.x, p, surface_normal(), from_floor);
   result = vec4(dither(tone_map(shade), gl_FragCoord.xy), 1.0);
 }
 )";
@@ -58,7 +61,6 @@ void main() {
   float nv = clamp(dot(n, v), 0.05, 1.0);
   float mirror = fresnel(nv);
   float body = 1.0 - pow(1.0 - color.a, 1.0 / max(nv, 0.1));
-  vec3 from_floor = floor_light(p);
   vec3 light = mix(from_floor, vec3(key.w), 0.5 + 0.5 * n.z) + key.rgb * (0.25 * inverse_pi * (1.0 + dot(n, key_to.xyz)));
   float alpha = max(finish.x * finish.x, 0.01);
   vec3 r = reflect(-v, n);
@@ -87,7 +89,9 @@ layout(location = 0) in vec3 position;
 uniform float radius;
 out vec3 way;          // from the eye
 flat out vec3 center;  // from the eye
+flat out vec3 from_floor;
 void main() {
+  from_floor = floor_light(position);
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   center = position - eye.xyz;
   float distance = length(center);
@@ -106,6 +110,7 @@ uniform vec2 finish;
 uniform float radius;
 in vec3 way;
 flat in vec3 center;
+flat in vec3 from_floor;
 out vec4 result;
 void main() {
   vec3 ray = normalize(way);
@@ -126,7 +131,7 @@ void main() {
   vec3 p = eye.xyz + hit;
   vec4 c = clip * vec4(p, 1.0);
   gl_FragDepth = 0.5 + 0.5 * c.z / c.w;
-  vec3 shade = body_color(color.rgb, finish.x, p, normalize(hit - center));
+  vec3 shade = body_color(color.rgb, finish.x, p, normalize(hit - center), from_floor);
   result = vec4(dither(tone_map(shade), gl_FragCoord.xy) * color.a, color.a);  // premultiplied
 }
 )";
@@ -146,7 +151,7 @@ uniform sampler2D ground_light;
 in vec2 spot;
 out vec4 result;
 void main() {
-  vec2 share = texture(ground_light, (spot - region.xy) * region.zw).rg;
+  vec2 share = textureLod(ground_light, (spot - region.xy) * region.zw, 0.0).rg;
   share = bounce.w == 0.0 ? vec2(1.0) : share;
   vec3 shade = bounce.rgb * (key.rgb * (max(key_to.z, 0.0) * share.r * inverse_pi) + key.w * share.g);
   float away = distance(spot, ground.yz) / ground.w;
@@ -292,7 +297,7 @@ out vec4 result;
 float mean(sampler2D map) {
   vec2 texel = 1.0 / vec2(textureSize(map, 0));
   float sum = 0.0;
-  for (int i = 0; i < 4; ++i) sum += textureLod(map, place + texel * (vec2(i & 1, i >> 1) * 2.0 - 1.0), 0.0).r;
+  for (int i = 0; i < 4; ++i) sum += textureLod(map, place + texel * (vec2(i & 1, i >> 1) * 2.0 - 1.5), 0.0).r;
   return 0.25 * sum;
 }
 void main() {
@@ -309,11 +314,12 @@ void main() {
 ShaderSources::ShaderSources(bool sample_mask) {
   const std::string head = shader_head(sample_mask);
   const std::string color = head + shader_color();
+  const std::string lit_vertex = head + shader_floor_light();
   const std::string light = color + shader_light();
-  mesh = {head + mesh_vertex, light + mesh_surface + mesh_fragment};
-  glass = {head + mesh_vertex, light + mesh_surface + glass_fragment};
-  glass_edge = {head + mesh_vertex, light + mesh_surface + glass_edge_fragment};
-  sphere = {head + sphere_vertex, light + sphere_fragment};
+  mesh = {lit_vertex + mesh_vertex, light + mesh_surface + mesh_fragment};
+  glass = {lit_vertex + mesh_vertex, light + mesh_surface + glass_fragment};
+  glass_edge = {lit_vertex + mesh_vertex, light + mesh_surface + glass_edge_fragment};
+  sphere = {lit_vertex + sphere_vertex, light + sphere_fragment};
   ground = {head + ground_vertex, color + ground_fragment};
   backdrop = {head + backdrop_vertex, color + backdrop_fragment};
   mesh_depth = {head + mesh_depth_vertex, head + empty_fragment};

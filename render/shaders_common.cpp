@@ -61,10 +61,24 @@ vec3 backdrop_color(vec2 pixel) {
 )";
 }
 
+std::string shader_floor_light() {
+  return R"(
+uniform sampler2D ground_light;
+
+// Light that comes up from the floor at p: what was baked there, averaged over a patch as wide as p is high. It
+// changes so slowly that it is asked for at vertices only.
+vec3 floor_light(vec3 p) {
+  float level = log2(1.0 + max(p.z - ground.x, 0.0) / eye.w) + 2.0;
+  vec2 share = textureLod(ground_light, (p.xy - region.xy) * region.zw, level).rg;
+  share = bounce.w == 0.0 ? vec2(1.0) : share;
+  return bounce.rgb * (key.rgb * (max(key_to.z, 0.0) * share.r * inverse_pi) + key.w * share.g);
+}
+)";
+}
+
 std::string shader_light() {
   return R"(
 uniform sampler2DShadow shadow_map;
-uniform sampler2D ground_light;
 
 // Share of the key light that arrives: percentage-closer filtering over a disc (Reeves et al. 1987), its taps on a sunflower
 // spiral. Where the outer ones agree the others are skipped: a loop of length zero is the one way to skip work that also the
@@ -78,24 +92,16 @@ float key_share(vec3 p, vec3 n) {
   float sum = 0.0;
   vec2 tap = vec2(0.6, 0.75) * blur.x;
   for (int i = 0; i < 4; ++i) {
-    sum += texture(shadow_map, vec3(s.xy + tap, s.z));
+    sum += textureLod(shadow_map, vec3(s.xy + tap, s.z), 0.0);
     tap = vec2(-tap.y, tap.x);
   }
   int more = key_to.w == 0.0 || cosine <= 0.0 || sum == 0.0 || sum == 4.0 ? 0 : 12;
   vec2 way = vec2(1.0, 0.0);
   for (int i = 0; i < more; ++i) {
     way = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888) * way;  // the golden angle
-    sum += texture(shadow_map, vec3(s.xy + way * (blur.x * 0.9 * sqrt((float(i) + 0.5) / 12.0)), s.z));
+    sum += textureLod(shadow_map, vec3(s.xy + way * (blur.x * 0.9 * sqrt((float(i) + 0.5) / 12.0)), s.z), 0.0);
   }
   return key_to.w == 0.0 ? 1.0 : sum / float(4 + more);
-}
-
-// Light that comes up from the floor at p: what was baked there, averaged over a patch as wide as p is high.
-vec3 floor_light(vec3 p) {
-  float level = log2(1.0 + max(p.z - ground.x, 0.0) / eye.w) + 2.0;
-  vec2 share = textureLod(ground_light, (p.xy - region.xy) * region.zw, level).rg;
-  share = bounce.w == 0.0 ? vec2(1.0) : share;
-  return bounce.rgb * (key.rgb * (max(key_to.z, 0.0) * share.r * inverse_pi) + key.w * share.g);
 }
 
 // Radiance that arrives from direction d, smeared as by a rough mirror: an even sky with a wide soft box, and the floor.
@@ -130,11 +136,10 @@ vec3 directional(vec3 albedo, float alpha, vec3 n, vec3 v, float nv, vec3 to, ve
 }
 
 // Radiance that leaves a body at p towards the eye; n looks to the eye's side.
-vec3 body_color(vec3 albedo, float roughness, vec3 p, vec3 n) {
+vec3 body_color(vec3 albedo, float roughness, vec3 p, vec3 n, vec3 from_floor) {
   vec3 v = normalize(eye.xyz - p);
   float nv = clamp(dot(n, v), 0.02, 1.0);
   float alpha = max(roughness * roughness, 0.01);
-  vec3 from_floor = floor_light(p);
   vec3 around = mix(from_floor, vec3(key.w), 0.5 + 0.5 * n.z);
   float mirror = 0.04 + (fresnel(nv) - 0.04) * (1.0 - roughness) * (1.0 - roughness);
   vec3 color = albedo * around * (1.0 - mirror) + mirror * studio(reflect(-v, n), roughness, from_floor);

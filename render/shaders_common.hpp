@@ -10,6 +10,9 @@ std::string shader_head(bool sample_mask);
 /// Tone map, dither and the picture's backdrop, for everything that writes colour.
 std::string shader_color();
 
+/// Light that comes up from the floor, for vertex shaders.
+std::string shader_floor_light();
+
 /// Light that reaches bodies, and what they make of it. Needs shader_color.
 std::string shader_light();
 
