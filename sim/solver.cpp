@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <tbb/parallel_reduce.h>
 
-#include <Eigen/Geometry>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -66,12 +65,6 @@ void check(const SolverSettings& settings) {
 }
 
 }  // namespace
-
-double Ledger::total() const {
-  double sum = kinetic;
-  for (const auto& [name, energy] : potential) sum += energy;
-  return sum;
-}
 
 struct Solver::Data {
   State state;
@@ -368,19 +361,7 @@ void Solver::deform(std::span<Vec3> points) const {
 
 const State& Solver::state() const { return data_->state; }
 
-Ledger Solver::ledger() const {
-  const State& state = data_->state;
-  Ledger ledger;
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    Vec3 p = state.particles.mass[i] * state.particles.velocity[i];
-    ledger.kinetic += 0.5 * p.dot(state.particles.velocity[i]);
-    ledger.linear_momentum += p;
-    ledger.angular_momentum += state.particles.position(i).cross(p);
-  }
-  for (const auto& effect : data_->effects)
-    ledger.potential.emplace_back(effect->name(), effect->energy(state));
-  return ledger;
-}
+Ledger Solver::ledger() const { return measure_ledger(data_->state, data_->effects); }
 
 const SolverStatistics& Solver::statistics() const {
   Data& d = *data_;

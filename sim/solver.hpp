@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/effect.hpp"
+#include "sim/ledger.hpp"
 #include "sim/state.hpp"
 
 namespace deforma {
@@ -15,16 +16,6 @@ struct SolverSettings {
   Integrator integrator = Integrator::symplectic_euler;
   double step_fraction = 0.7;  ///< of the measured stability limit
   double max_step = 0.0;       ///< upper bound of the substep [s]; 0: none
-};
-
-/// Energies [J] and momenta at one moment.
-struct Ledger {
-  double kinetic = 0.0;
-  std::vector<std::pair<std::string, double>> potential;  ///< per effect
-  Vec3 linear_momentum = Vec3::Zero();                    ///< [kg m/s]
-  Vec3 angular_momentum = Vec3::Zero();                   ///< about the origin [kg m^2/s]
-
-  double total() const;
 };
 
 /// What the solver has done so far.
