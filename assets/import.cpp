@@ -1,15 +1,17 @@
 #include "assets/import.hpp"
 
 #include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
+#include "assets/complete.hpp"
+#include "assets/triangulate.hpp"
 #include "assets/weld.hpp"
 
 namespace deforma {
@@ -51,56 +53,55 @@ void check_scene(const fs::path& file, const aiScene& scene) {
   }
 }
 
-/// Faces of each kind in the nodes of a scene; a mesh that two nodes show counts twice.
-struct FaceCount {
-  std::size_t meshes = 0;
-  std::size_t polygons = 0;  ///< more than three corners
-  std::size_t thin = 0;      ///< points and lines
+/// Adds up the meshes of a scene's nodes; a mesh that two nodes show is there twice.
+class Merger {
+ public:
+  explicit Merger(const aiScene& scene) : scene_(scene) {
+    add(*scene.mRootNode, Eigen::Affine3d::Identity());
+  }
 
-  void add(const aiScene& scene, const aiNode& node) {
-    meshes += node.mNumMeshes;
-    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-      const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
-      for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-        polygons += mesh.mFaces[f].mNumIndices > 3;
-        thin += mesh.mFaces[f].mNumIndices < 3;
+  Imported merged;
+  std::size_t thin = 0;  ///< faces that are points or lines
+
+ private:
+  void add(const aiNode& node, const Eigen::Affine3d& above) {
+    Eigen::Affine3d own = Eigen::Affine3d::Identity();
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) own(row, column) = node.mTransformation[row][column];
+    Eigen::Affine3d pose = above * own;
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) add(*scene_.mMeshes[node.mMeshes[m]], pose);
+    for (unsigned c = 0; c < node.mNumChildren; ++c) add(*node.mChildren[c], pose);
+  }
+
+  void add(const aiMesh& mesh, const Eigen::Affine3d& pose) {
+    bool mirrored = pose.linear().determinant() < 0.0;
+    auto first = static_cast<std::uint32_t>(merged.mesh.points.size());
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+      merged.mesh.points.push_back(
+          pose * Eigen::Vector3d(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z));
+    std::vector<Eigen::Vector3d> corners;
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      std::span<const unsigned> face(mesh.mFaces[f].mIndices, mesh.mFaces[f].mNumIndices);
+      thin += face.size() < 3;
+      merged.polygons += face.size() > 3;
+      corners.clear();
+      for (unsigned i : face) corners.push_back(merged.mesh.points[first + i]);
+      for (auto [a, b, c] : triangulate(corners)) {
+        if (mirrored) std::swap(b, c);
+        merged.mesh.triangles.push_back({first + face[a], first + face[b], first + face[c]});
       }
     }
-    for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c]);
+    ++merged.meshes;
   }
-};
 
-void append_node(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& above, Mesh& out) {
-  Eigen::Affine3d pose = above;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) {
-      double sum = column == 3 ? above(row, 3) : 0.0;
-      for (int k = 0; k < 3; ++k) sum += above(row, k) * node.mTransformation[k][column];
-      pose(row, column) = sum;
-    }
-  bool mirrored = pose.linear().determinant() < 0.0;
-  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
-    auto first = static_cast<std::uint32_t>(out.points.size());
-    for (unsigned v = 0; v < mesh.mNumVertices; ++v)
-      out.points.push_back(pose *
-                           Eigen::Vector3d(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z));
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      std::array<std::uint32_t, 3> t{first + face.mIndices[0], first + face.mIndices[1],
-                                     first + face.mIndices[2]};
-      if (mirrored) std::swap(t[1], t[2]);
-      out.triangles.push_back(t);
-    }
-  }
-  for (unsigned c = 0; c < node.mNumChildren; ++c) append_node(scene, *node.mChildren[c], pose, out);
-}
+  const aiScene& scene_;
+};
 
 }  // namespace
 
 Imported import_mesh(const fs::path& file) {
   check_file(file);
+  check_complete(file);
   Assimp::Importer importer;
   // Axes stay as the file has them; without this a z-up COLLADA file would be laid on its back.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -108,30 +109,19 @@ Imported import_mesh(const fs::path& file) {
   if (!scene) refuse(file, fmt::format("no mesh could be read from it ({})", importer.GetErrorString()));
   if (scene->mNumMeshes == 0 || !scene->mRootNode) refuse(file, "there is no mesh in it");
   check_scene(file, *scene);
-  FaceCount count;
-  count.add(*scene, *scene->mRootNode);
-  if (count.polygons > 0) {
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    if (!scene)
-      refuse(file, fmt::format("its polygons could not be triangulated ({})", importer.GetErrorString()));
-    check_scene(file, *scene);
-  }
-
-  Imported imported;
-  imported.meshes = count.meshes;
-  imported.polygons = count.polygons;
-  append_node(*scene, *scene->mRootNode, Eigen::Affine3d::Identity(), imported.mesh);
+  Merger merger(*scene);
+  Imported imported = std::move(merger.merged);
   if (imported.mesh.triangles.empty())
-    refuse(file, count.thin > 0 ? "there are only points and lines in it, expected triangles"
-                                : "there is no triangle in it");
+    refuse(file, merger.thin > 0 ? "there are only points and lines in it, expected triangles"
+                                 : "there is no triangle in it");
 
   WeldReport report = weld(imported.mesh);
   imported.welded_points = report.welded_points;
   imported.dropped_triangles = report.dropped_triangles;
   if (imported.mesh.triangles.empty())
     refuse(file, fmt::format("all of its {} triangles are without area", report.dropped_triangles));
-  if (count.thin > 0)
-    imported.warnings.push_back(fmt::format("{} points and lines were left out", count.thin));
+  if (merger.thin > 0)
+    imported.warnings.push_back(fmt::format("{} points and lines were left out", merger.thin));
   if (report.dropped_triangles > 0)
     imported.warnings.push_back(
         fmt::format("{} triangles without area were left out", report.dropped_triangles));
