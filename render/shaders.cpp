@@ -47,7 +47,7 @@ layout(location = 0, index = 1) out vec4 passed;  // share of what lies behind
 
 // Two upright lamps to the left and right of the camera: their mirror images are what a curved glass is seen by.
 float lamps(vec3 d) {
-  vec2 ahead = normalize(eye.xy + vec2(1e-6, 0.0));
+  vec2 ahead = normalize(eye.xy + vec2(1e-6 * length(eye.xyz), 0.0));
   vec2 way = normalize(d.xy + vec2(1e-6, 0.0));
   float left = dot(way, vec2(0.17 * ahead.x + 0.985 * ahead.y, 0.17 * ahead.y - 0.985 * ahead.x));
   float right = dot(way, vec2(-0.26 * ahead.x - 0.966 * ahead.y, -0.26 * ahead.y + 0.966 * ahead.x));
@@ -277,7 +277,7 @@ void main() {
       way = golden * way;
       float r = mix(inner, outer, (float(i) + 0.5) / 20.0);
       float h = textureLod(underside, place + way * r * region.zw, 0.0).r;
-      float h2 = h * h * plane.w * plane.w + 1e-9;
+      float h2 = h * h * plane.w * plane.w + 1e-6 * rim_to.w * rim_to.w;
       covered += h >= 1.0 ? 0.0 : outer * outer / (outer * outer + h2) - inner * inner / (inner * inner + h2);
     }
     inner = outer;

@@ -1,0 +1,260 @@
+#include "render/video.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "picture.hpp"
+#include "render/libav.hpp"
+#include "render/palette.hpp"
+
+namespace deforma {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+/// A bright block that moves over an even colour.
+Image frame_of(int width, int height, int number) {
+  Image image{width, height, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool block = x >= 4 * number && x < 4 * number + 20 && y < 20;
+      const std::array<std::uint8_t, 4> color = block ? std::array<std::uint8_t, 4>{240, 240, 230, 255}
+                                                      : std::array<std::uint8_t, 4>{200, 60, 30, 255};
+      image.rgba.insert(image.rgba.end(), color.begin(), color.end());
+    }
+  return image;
+}
+
+void write_video(const std::filesystem::path& file, const VideoSettings& settings, int frames) {
+  VideoWriter writer(file, settings);
+  for (int i = 0; i < frames; ++i) writer.add(frame_of(settings.width, settings.height, i));
+  writer.close();
+}
+
+/// The first picture of a file, decoded by libav as a player would.
+libav::Frame first_picture(const std::filesystem::path& file) {
+  AVFormatContext* opened = nullptr;
+  EXPECT_EQ(avformat_open_input(&opened, file.c_str(), nullptr, nullptr), 0);
+  const libav::Input input(opened);
+  EXPECT_GE(avformat_find_stream_info(input.get(), nullptr), 0);
+  const AVCodec* decoder = nullptr;
+  const int stream = av_find_best_stream(input.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+  const libav::Codec codec(avcodec_alloc_context3(decoder));
+  avcodec_parameters_to_context(codec.get(), input->streams[stream]->codecpar);
+  EXPECT_EQ(avcodec_open2(codec.get(), decoder, nullptr), 0);
+  const libav::Packet packet(av_packet_alloc());
+  libav::Frame frame(av_frame_alloc());
+  while (av_read_frame(input.get(), packet.get()) >= 0) {
+    avcodec_send_packet(codec.get(), packet.get());
+    av_packet_unref(packet.get());
+    if (avcodec_receive_frame(codec.get(), frame.get()) >= 0) return frame;
+  }
+  avcodec_send_packet(codec.get(), nullptr);
+  EXPECT_GE(avcodec_receive_frame(codec.get(), frame.get()), 0);
+  return frame;
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream input(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(input), {}};
+}
+
+struct Kind {
+  const char* extension;
+  const char* codec;
+  const char* pixel_format;
+};
+
+class VideoKinds : public testing::TestWithParam<Kind> {};
+
+TEST_P(VideoKinds, ComeBackWithEveryFrame) {
+  const Folder folder("video");
+  const auto file = folder / (std::string("a") + GetParam().extension);
+  VideoSettings settings;
+  settings.width = 96;
+  settings.height = 64;
+  settings.fps = 25.0;
+  write_video(file, settings, 20);
+  const VideoFacts facts = inspect_video(file);
+  EXPECT_EQ(facts.frames, 20u);
+  EXPECT_EQ(facts.width, 96);
+  EXPECT_EQ(facts.height, 64);
+  EXPECT_NEAR(facts.fps, 25.0, 0.01);
+  EXPECT_NEAR(facts.duration, 0.8, 0.011);
+  EXPECT_EQ(facts.codec, GetParam().codec);
+  EXPECT_EQ(facts.pixel_format, GetParam().pixel_format);
+  EXPECT_EQ(folder.files().size(), 1u) << "no temporary file is left";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VideoKinds,
+                         testing::Values(Kind{".mp4", "h264", "yuv420p"}, Kind{".mov", "h264", "yuv420p"},
+                                         Kind{".mkv", "h264", "yuv420p"}, Kind{".webm", "vp9", "yuv420p"},
+                                         Kind{".gif", "gif", "bgra"}),
+                         [](const auto& kind) { return std::string(kind.param.extension + 1); });
+
+TEST(Video, PadsOddSizes) {
+  const Folder folder("video_odd");
+  VideoSettings settings;
+  settings.width = 97;
+  settings.height = 63;
+  write_video(folder / "a.mp4", settings, 5);
+  const VideoFacts facts = inspect_video(folder / "a.mp4");
+  EXPECT_EQ(facts.width, 98);
+  EXPECT_EQ(facts.height, 64);
+  EXPECT_EQ(facts.frames, 5u);
+  const libav::Frame picture = first_picture(folder / "a.mp4");
+  const auto luma = [&](int x, int y) {
+    return static_cast<int>(picture->data[0][y * picture->linesize[0] + x]);
+  };
+  EXPECT_NEAR(luma(97, 40), luma(96, 40), 2) << "the last column once more";
+  EXPECT_NEAR(luma(50, 63), luma(50, 62), 2);
+}
+
+TEST(Video, KeepsFractionalRates) {
+  const Folder folder("video_rate");
+  VideoSettings settings;
+  settings.width = settings.height = 64;
+  for (const double fps : {29.97, 12.5, 60.0, 0.5}) {
+    settings.fps = fps;
+    write_video(folder / "a.mp4", settings, 10);
+    const VideoFacts facts = inspect_video(folder / "a.mp4");
+    EXPECT_NEAR(facts.fps, fps, 1e-3 * fps);
+    EXPECT_NEAR(facts.duration, 10.0 / fps, 0.011 + 1e-3 * 10.0 / fps);
+    EXPECT_EQ(facts.frames, 10u);
+  }
+}
+
+TEST(Video, OneFrameIsAVideo) {
+  const Folder folder("video_one");
+  VideoSettings settings;
+  settings.width = settings.height = 64;
+  write_video(folder / "a.mp4", settings, 1);
+  EXPECT_EQ(inspect_video(folder / "a.mp4").frames, 1u);
+}
+
+TEST(Video, ConvertsByBt709AndSaysSo) {
+  const Folder folder("video_color");
+  VideoSettings settings;
+  settings.width = 96;
+  settings.height = 64;
+  write_video(folder / "a.mp4", settings, 3);
+  const libav::Frame picture = first_picture(folder / "a.mp4");
+  EXPECT_EQ(picture->colorspace, AVCOL_SPC_BT709);
+  EXPECT_EQ(picture->color_primaries, AVCOL_PRI_BT709);
+  EXPECT_EQ(picture->color_trc, AVCOL_TRC_BT709);
+  EXPECT_EQ(picture->color_range, AVCOL_RANGE_MPEG);
+  // ITU-R BT.709, 8 bits: Y = 16 + 219 (0.2126 R + 0.7152 G + 0.0722 B), Cb and Cr of 224 steps.
+  const double r = 200.0 / 255, g = 60.0 / 255, b = 30.0 / 255;
+  const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  EXPECT_NEAR(picture->data[0][50 * picture->linesize[0] + 60], 16 + 219 * y, 2);
+  EXPECT_NEAR(picture->data[1][25 * picture->linesize[1] + 30], 128 + 224 * (b - y) / 1.8556, 2);
+  EXPECT_NEAR(picture->data[2][25 * picture->linesize[2] + 30], 128 + 224 * (r - y) / 1.5748, 2);
+}
+
+TEST(Video, PutsTheIndexAtTheFrontAndWritesTheSameBytes) {
+  const Folder folder("video_bytes");
+  VideoSettings settings;
+  settings.width = 96;
+  settings.height = 64;
+  write_video(folder / "a.mp4", settings, 12);
+  write_video(folder / "b.mp4", settings, 12);
+  const std::string bytes = bytes_of(folder / "a.mp4");
+  EXPECT_EQ(bytes, bytes_of(folder / "b.mp4"));
+  EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
+}
+
+TEST(Video, LeavesNothingBehindWhenItIsNotClosed) {
+  const Folder folder("video_killed");
+  for (const char* name : {"a.mp4", "a.mkv", "a.gif"}) {
+    VideoSettings settings;
+    settings.width = settings.height = 64;
+    VideoWriter writer(folder / name, settings);
+    writer.add(frame_of(64, 64, 0));
+    EXPECT_FALSE(std::filesystem::exists(folder / name)) << "not under its name before it is whole";
+  }
+  EXPECT_THAT(folder.files(), IsEmpty());
+}
+
+TEST(Video, CanBeMoved) {
+  const Folder folder("video_moved");
+  VideoSettings settings;
+  settings.width = settings.height = 64;
+  VideoWriter first(folder / "a.mp4", settings);
+  first.add(frame_of(64, 64, 0));
+  VideoWriter second(std::move(first));
+  second.add(frame_of(64, 64, 1));
+  second.close();
+  EXPECT_EQ(inspect_video(folder / "a.mp4").frames, 2u);
+}
+
+TEST(Video, RefusesByMessage) {
+  const Folder folder("video_refused");
+  const auto refuses = [&](const char* name, const VideoSettings& settings, const char* found) {
+    EXPECT_THAT([&] { VideoWriter writer(folder / name, settings); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr(found)));
+  };
+  VideoSettings settings;
+  EXPECT_THAT([&] { VideoWriter writer(folder / "a.avi", settings); },
+              ThrowsMessage<std::invalid_argument>(
+                  AllOf(HasSubstr("'.avi'"), HasSubstr(".mp4, .mov, .mkv, .webm, .gif"))));
+  settings.fps = 0.0;
+  refuses("a.mp4", settings, "fps");
+  settings.fps = std::nan("");
+  refuses("a.mp4", settings, "fps");
+  settings = {};
+  settings.width = 0;
+  refuses("a.mp4", settings, "0 x 720");
+  settings = {};
+  settings.crf = 52;
+  refuses("a.mp4", settings, "crf");
+  settings = {};
+  EXPECT_THAT(
+      [&] { VideoWriter writer(folder / "no/such/a.mp4", settings); },
+      ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("no/such/a.mp4"), HasSubstr("No such file"))));
+  VideoWriter writer(folder / "a.mp4", settings);
+  EXPECT_THAT([&] { writer.add(frame_of(64, 64, 0)); },
+              ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("1280 x 720"), HasSubstr("64 x 64"))));
+  EXPECT_THAT([&] { writer.close(); }, ThrowsMessage<std::runtime_error>(HasSubstr("no frame")));
+}
+
+TEST(Video, InspectRefusesWhatIsNoVideo) {
+  const Folder folder("video_none");
+  EXPECT_THAT([&] { inspect_video(folder / "missing.mp4"); },
+              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("missing.mp4"), HasSubstr("No such file"))));
+  std::ofstream(folder / "text.mp4") << "not a video at all";
+  EXPECT_THAT([&] { inspect_video(folder / "text.mp4"); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("text.mp4")));
+}
+
+TEST(Palette, KeepsFewColoursAsTheyAre) {
+  const IndexedImage indexed = index_colors(frame_of(96, 64, 2));
+  for (const auto& [x, y, color] : {std::tuple{15, 10, 0xfff0f0e6u}, {60, 50, 0xffc83c1eu}})
+    EXPECT_EQ(indexed.palette[indexed.indices[static_cast<std::size_t>(y * 96 + x)]], color);
+}
+
+TEST(Palette, FollowsAGradient) {
+  Image image{256, 64, {}};
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 256; ++x)
+      for (const int level : {x, 255 - x, 2 * y + 64, 255})
+        image.rgba.push_back(static_cast<std::uint8_t>(level));
+  const IndexedImage indexed = index_colors(image);
+  double error = 0.0;
+  for (std::size_t i = 0; i < indexed.indices.size(); ++i) {
+    const std::uint32_t color = indexed.palette[indexed.indices[i]];
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      error += std::abs(static_cast<int>(color >> (16 - 8 * channel) & 0xff) - image.rgba[4 * i + channel]);
+  }
+  EXPECT_LT(error / static_cast<double>(3 * indexed.indices.size()), 8.0);
+}
+
+}  // namespace
+}  // namespace deforma
