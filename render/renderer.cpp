@@ -73,6 +73,7 @@ struct Renderer::Data {
     for (const auto* program : {&mesh, &glass, &glass_edge, &sphere, &ground, &backdrop}) {
       (*program)->bind_block("Frame", ShaderPlaces::frame_block);
       (*program)->bind_sampler("shadow_map", ShaderPlaces::shadow_map);
+      (*program)->bind_sampler("shadow_depths", ShaderPlaces::shadow_depths);
       (*program)->bind_sampler("ground_light", ShaderPlaces::ground_light);
     }
     if (settings.shadow_size > 0) light.emplace(sources, settings.shadow_size);

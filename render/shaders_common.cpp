@@ -79,9 +79,10 @@ vec3 floor_light(vec3 p) {
 std::string shader_light() {
   return R"(
 uniform sampler2DShadow shadow_map;
+uniform sampler2D shadow_depths;
 
 // Share of the key light that arrives: percentage-closer filtering over a disc (Reeves et al. 1987), its taps on a sunflower
-// spiral. Where the outer ones agree the others are skipped: a loop of length zero is the one way to skip work that also the
+// spiral. The outer ones look at single texels, which is cheaper; where they agree the others are skipped: a loop of length zero is the one way to skip work that also the
 // software driver takes, which runs both sides of every branch.
 float key_share(vec3 p, vec3 n) {
   float cosine = dot(n, key_to.xyz);
@@ -92,7 +93,7 @@ float key_share(vec3 p, vec3 n) {
   float sum = 0.0;
   vec2 tap = vec2(0.6, 0.75) * blur.x;
   for (int i = 0; i < 4; ++i) {
-    sum += textureLod(shadow_map, vec3(s.xy + tap, s.z), 0.0);
+    sum += step(s.z, textureLod(shadow_depths, s.xy + tap, 0.0).r);
     tap = vec2(-tap.y, tap.x);
   }
   int more = key_to.w == 0.0 || cosine <= 0.0 || sum == 0.0 || sum == 4.0 ? 0 : 12;

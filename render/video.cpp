@@ -72,6 +72,13 @@ struct VideoWriter::Data {
     open_file();
   }
 
+  ~Data() {
+    // The gif muxer keeps the last packet until the trailer is written, and forgets it otherwise.
+    if (indexed() && next > 0 && format->pb) av_write_trailer(format.get());
+  }
+  Data(const Data&) = delete;
+  Data& operator=(const Data&) = delete;
+
   bool indexed() const { return container.codec == AV_CODEC_ID_GIF; }
 
   [[noreturn]] void fail(const std::string& step, int error) const {
