@@ -124,8 +124,14 @@ World build(const Scene& scene) {
   auto sight = std::make_shared<const Sight>(state, meshes);
   LinkFilter filter;
   if (sight->needed()) filter = [sight](const Vec3& a, const Vec3& b) { return (*sight)(a, b); };
-  prepare_state(state, {kernel_from_name(scene.solver.kernel), scene.solver.neighbors, scene.solver.support},
-                filter, filter);
+  const SolverSpec& spec = scene.solver;
+  prepare_state(state, {kernel_from_name(spec.kernel), spec.neighbors.value(), spec.support.value()}, filter,
+                filter, gradient_from_name(spec.gradient));
+  if (state.fit.linear_fits > 0)
+    world.warnings.push_back(
+        fmt::format("{} of {} particles have too few neighbours for the quadratic fit: the linear "
+                    "one stands in",
+                    state.fit.linear_fits, state.size()));
   if (std::size_t thin = state.fit.count_below(3); thin > 0)
     world.warnings.push_back(
         fmt::format("{} of {} particles have neighbours on one line or plane only, or none: they resist less",

@@ -27,8 +27,9 @@ struct SolverSpec {
   double step_fraction = 0.7;
   double max_step = 0.0;  ///< [s]; 0: none
   std::string kernel = "cubic_spline";
-  int neighbors = 18;
-  double support = 1.5;
+  std::string gradient = "linear";
+  std::optional<int> neighbors;   ///< filled in by the reader: what suits the gradient
+  std::optional<double> support;  ///< the same
 };
 
 /// How a surface looks; colours are sRGB in [0, 1].

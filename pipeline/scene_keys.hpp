@@ -5,6 +5,7 @@
 
 #include "pipeline/scene.hpp"
 #include "sim/kernel.hpp"
+#include "sim/moving_least_squares.hpp"
 
 // The keys of a scene stand here once: each `describe` is followed by the reader and by the writer (`Io`),
 // which have the same methods. Effects, shapes and obstacles have registries of their own.
@@ -31,6 +32,7 @@ void describe(Io& io, SolverSpec& solver) {
   io.value("step_fraction", solver.step_fraction, Interval{0.0, 1.0, true, false});
   io.value("max_step", solver.max_step, Interval::non_negative());
   io.choice("kernel", solver.kernel, kernel_names());
+  io.choice("gradient", solver.gradient, gradient_names());
   io.value("neighbors", solver.neighbors, 3, 200);
   io.value("support", solver.support, Interval{0.5, 5.0, false, false});
 }

@@ -71,7 +71,7 @@ bool has_effect(const std::vector<SceneEffect>& effects, std::string_view name) 
 
 /// An elastic body without hourglass control has modes that cost no energy, so it gets that one effect
 /// unasked.
-void add_hourglass(SceneBody& body, const std::vector<SceneEffect>& world) {
+void add_hourglass(SceneBody& body, const std::vector<SceneEffect>& world, bool quadratic) {
   const EffectInfo& hourglass = find_effect("hourglass");
   bool refused = std::find(body.without.begin(), body.without.end(), hourglass.name) != body.without.end();
   if (!has_effect(body.effects, "elastic") || has_effect(body.effects, hourglass.name) || refused ||
@@ -79,7 +79,10 @@ void add_hourglass(SceneBody& body, const std::vector<SceneEffect>& world) {
     return;
   auto later = std::find_if(body.effects.begin(), body.effects.end(),
                             [&](const SceneEffect& e) { return e.info > &hourglass; });
-  body.effects.insert(later, {&hourglass, Parameters(hourglass.settings), body.where + ".hourglass"});
+  SceneEffect added{&hourglass, Parameters(hourglass.settings), body.where + ".hourglass"};
+  // The quadratic fit's residual ignores bending, so that it can, and must, be stiffer.
+  if (quadratic) added.parameters.set("stiffness", Curve<double>(10.0));
+  body.effects.insert(later, std::move(added));
 }
 
 Vec3 body_color(std::size_t index) {
@@ -119,7 +122,7 @@ SceneBody read_body(const toml::table& table, const Scene& scene) {
   if (body.shape) body.mesh_where = fmt::format("{}: body.shape", location(*table.get("shape")));
   if (body.name.empty())
     body.name = body.mesh ? body.mesh_file.stem().string() : std::string(body.shape->info->name);
-  add_hourglass(body, scene.world);
+  add_hourglass(body, scene.world, scene.solver.gradient == gradient_name(Gradient::quadratic));
   return body;
 }
 
@@ -207,6 +210,9 @@ Scene load_scene(const std::filesystem::path& file, const std::vector<Override>&
   scene.name = file.stem().string();
   TableReader reader(root, "");
   describe(reader, scene);
+  const bool quadratic = scene.solver.gradient == gradient_name(Gradient::quadratic);
+  if (!scene.solver.neighbors) scene.solver.neighbors = quadratic ? 30 : 18;
+  if (!scene.solver.support) scene.solver.support = quadratic ? 1.7 : 1.5;
   if (reader.take("ground")) scene.ground = GroundSpec{};
   reader.table("ground", [&](TableReader& inner) { describe(inner, *scene.ground); });
   reader.table("world", [&](TableReader& inner) { scene.world = read_effects(inner, true, nullptr); });
