@@ -62,13 +62,15 @@ std::string error_name(EGLint error) {
   throw std::runtime_error(fmt::format("{} failed with {}", step, error_name(eglGetError())));
 }
 
-/// llvmpipe of Mesa 22 generates wrong code, and crashes, with vectors of 512 bits, which it takes on its own
-/// where the driver was built for AVX-512. Every other driver ignores the variable, and a value that the user
-/// has set stays. The driver reads it once, when its first display is initialised, so it is set before that,
-/// and once, because setenv may not run beside itself.
+/// llvmpipe of Mesa 22 crashes in its first draw with vectors of 512 bits. Left alone it takes 256, also where the processor
+/// has more; so the environment is touched only where somebody has asked for too much, before the driver reads it, and
+/// once, for setenv may not run beside itself. The picture is the same with any width.
 void keep_vectors_narrow() {
   static std::once_flag once;
-  std::call_once(once, [] { setenv("LP_NATIVE_VECTOR_WIDTH", "256", 0); });
+  std::call_once(once, [] {
+    const char* wanted = std::getenv("LP_NATIVE_VECTOR_WIDTH");
+    if (wanted && std::atoi(wanted) > 256) setenv("LP_NATIVE_VECTOR_WIDTH", "256", 1);
+  });
 }
 
 /// A display and a context on it; destroys the context. The display stays initialised: EGL hands the same one

@@ -74,7 +74,7 @@ struct VideoWriter::Data {
 
   ~Data() {
     // The gif muxer keeps the last packet until the trailer is written, and forgets it otherwise.
-    if (indexed() && next > 0 && format->pb) av_write_trailer(format.get());
+    if (indexed() && next > 0 && !finished) av_write_trailer(format.get());
   }
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
@@ -241,6 +241,7 @@ struct VideoWriter::Data {
     if (closed) return;
     if (next == 0) throw std::runtime_error(fmt::format("the video '{}' has no frame", file.string()));
     encode(nullptr);
+    finished = true;
     check(av_write_trailer(format.get()), "finishing");
     check(avio_closep(&format->pb), "closing");
     temporary.rename();
@@ -259,6 +260,7 @@ struct VideoWriter::Data {
   AVStream* stream = nullptr;
   std::vector<std::uint8_t> padded;
   std::int64_t next = 0;
+  bool finished = false;  // the trailer is written, or was tried
   bool closed = false;
 };
 

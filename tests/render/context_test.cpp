@@ -79,5 +79,20 @@ TEST(ContextDeathTest, ListsEveryAttemptWithoutADriver) {
       AllOf(HasSubstr("device"), HasSubstr("surfaceless: "), HasSubstr("default: ")));
 }
 
+TEST(ContextDeathTest, DrawsWhereTooWideVectorsAreAskedFor) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(
+      {
+        setenv("LP_NATIVE_VECTOR_WIDTH", "512", 1);
+        RendererSettings settings;
+        settings.width = settings.height = 64;
+        const DrawnGround ground;
+        FrameContent frame;
+        frame.ground = &ground;
+        std::exit(Renderer(settings).draw(frame).width == 64 ? 7 : 0);
+      },
+      testing::ExitedWithCode(7), "");
+}
+
 }  // namespace
 }  // namespace deforma
