@@ -154,6 +154,20 @@ void check_off(const std::filesystem::path& file, std::istream& in, std::istring
   }
 }
 
+/// A text STL file ends with "endsolid"; without it the importer takes what is there for the whole.
+void check_stl(const std::filesystem::path& file, std::istream& in) {
+  auto size = std::filesystem::file_size(file);
+  std::string tail(std::min<std::uintmax_t>(size, 512), ' ');
+  in.seekg(-static_cast<std::streamoff>(tail.size()), std::ios::end);
+  in.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+  if (tail.find("endsolid") == std::string::npos) refuse(file, "the file is cut off: no endsolid at its end");
+}
+
+/// Binary STL files may begin with "solid" as well; only there do the facets follow as numbers.
+bool is_text_stl(const std::string& start) {
+  return start.starts_with("solid") && start.find("facet") != std::string::npos;
+}
+
 }  // namespace
 
 void check_complete(const std::filesystem::path& file) {
@@ -173,6 +187,8 @@ void check_complete(const std::filesystem::path& file) {
     std::istringstream line;
     next_line(in, line);
     if (first.find("BINARY") == std::string::npos) check_off(file, in, std::move(line));
+  } else if (is_text_stl(first)) {
+    check_stl(file, in);
   }
 }
 

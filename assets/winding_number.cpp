@@ -11,10 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double opening =
-    2.0;  // a node is far when the point is farther than so many of its radii (Barill's beta)
-
-/// Solid angle of a triangle seen from a point, positive when its back is seen.
+// A node is far when the point is farther than so many of its radii (beta in Barill et al.).
+constexpr double opening = 3.0;
 double solid_angle(const Vector3d& from, const std::array<Vector3d, 3>& corner) {
   Vector3d a = corner[0] - from, b = corner[1] - from, c = corner[2] - from;
   double la = a.norm(), lb = b.norm(), lc = c.norm();
