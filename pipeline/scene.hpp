@@ -99,14 +99,14 @@ struct CameraSpec {
 };
 
 struct LightSpec {
-  Vec3 direction = {-0.4, 0.5, -1.0};
-  double intensity = 2.6;
-  double ambient = 0.55;
+  Vec3 direction = {0.6, 0.45, -1.0};  ///< the way it shines
+  double intensity = 2.7;
+  double ambient = 0.5;  ///< of the sky
 };
 
 struct GroundSpec {
   double height = 0.0;  ///< z [m]
-  Vec3 color = {0.72, 0.72, 0.70};
+  Vec3 color = {0.78, 0.78, 0.78};
   bool solid = true;
   double friction = 0.5;
   bool visible = true;
