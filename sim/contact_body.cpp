@@ -14,18 +14,6 @@ namespace {
 
 constexpr double free_wave_speed = 40.0;  // m/s, of bodies without elastic particles
 
-// A vertex moves by sum_i c_i a_i, sum_i c_i = 1: by the mean of a, and at most the gain times the rest.
-template <typename Value>
-double vertex_bound(Range particles, double gain, const Value& a) {
-  Vec3 mean = Vec3::Zero();
-  for (Index i = particles.begin; i < particles.end; ++i) mean += a(i);
-  mean /= particles.size();
-  double largest = 0.0;
-  for (Index i = particles.begin; i < particles.end; ++i)
-    largest = std::max(largest, (a(i) - mean).squaredNorm());
-  return mean.norm() + gain * std::sqrt(largest);
-}
-
 double wave_speed(const State& state, const Body& body) {
   if (!(body.modulus > 0.0)) return free_wave_speed;
   double mass = 0.0, volume = 0.0;
@@ -56,21 +44,26 @@ ContactBody::ContactBody(const State& state, Index index, double stiffness)
   const double allowed = frequency_ * frequency_;
 
   const SurfaceRows rows = make_surface_rows(state, vertices_);
-  const std::span<const double> areas =
-      std::span(state.surface.area).subspan(vertices_.begin, vertices_.size());
-  const std::vector<double> unit = squared_frequency_bounds(state, rows, areas);
+  std::vector<double> unit(state.size(), 0.0);
+  for (Index s = vertices_.begin; s < vertices_.end; ++s)
+    for (const auto& [i, c] : rows.row(s))
+      unit[i] += state.surface.area[s] * std::abs(c) / state.particles.mass[i];
   weakest_limit_ = std::numeric_limits<double>::infinity();
   for (Index s = vertices_.begin; s < vertices_.end; ++s) {
+    double felt = 0.0, alone = 0.0;
+    for (const auto& [i, c] : rows.row(s)) {
+      felt += std::abs(c) * unit[i];
+      alone += c * c / state.particles.mass[i];
+    }
     const double gain = rows.gain(s);
     gain_ = std::max(gain_, gain);
-    double k = std::numeric_limits<double>::infinity();
-    for (const auto& [i, c] : rows.row(s)) {
-      if (unit[i] > 0.0) k = std::min(k, state.surface.area[s] * allowed / unit[i]);
-      if (c != 0.0)
-        weakest_limit_ = std::min(weakest_limit_, allowed * state.particles.mass[i] / (std::abs(c) * gain));
-    }
-    stiffness_.push_back(std::isfinite(k) ? k : 0.0);
-    per_area_ += stiffness_.back() / area;
+    stiffness_.push_back(state.surface.area[s] > 0.0 ? state.surface.area[s] * gain / felt : 0.0);
+    weakest_limit_ = std::min(weakest_limit_, allowed / alone);
+  }
+  const double scale = allowed / largest_squared_frequency(state, rows, stiffness_);
+  for (double& k : stiffness_) {
+    k *= scale;
+    per_area_ += k / area;
   }
 }
 
@@ -80,13 +73,24 @@ void ContactBody::remember(const State& state) {
 }
 
 double ContactBody::moved(const State& state) const {
-  return vertex_bound(particles_, gain_, [&](Index i) -> Vec3 {
+  // A vertex moves by sum_i c_i a_i, sum_i c_i = 1: by the mean of a, and by at most the gain times what differs from it.
+  const auto moved = [&](Index i) -> Vec3 {
     return state.particles.displacement[i] - remembered_[i - particles_.begin];
-  });
+  };
+  Vec3 mean = Vec3::Zero();
+  for (Index i = particles_.begin; i < particles_.end; ++i) mean += moved(i);
+  mean /= particles_.size();
+  double largest = 0.0;
+  for (Index i = particles_.begin; i < particles_.end; ++i)
+    largest = std::max(largest, (moved(i) - mean).squaredNorm());
+  return mean.norm() + gain_ * std::sqrt(largest);
 }
 
 double ContactBody::speed(const State& state) const {
-  return vertex_bound(particles_, gain_, [&](Index i) -> const Vec3& { return state.particles.velocity[i]; });
+  double largest = 0.0;
+  for (Index i = particles_.begin; i < particles_.end; ++i)
+    largest = std::max(largest, state.particles.velocity[i].squaredNorm());
+  return std::sqrt(largest);
 }
 
 std::size_t ContactBody::bytes() const {

@@ -9,12 +9,12 @@ namespace deforma {
 
 /// What contact knows about one body: the springs of its surface vertices and how far these can have moved.
 ///
-/// The springs are as stiff as a time step allows that is known beforehand. With S = `stiffness` and the
-/// body's wave speed c = sqrt(modulus / density) over its spacing d, each vertex has k_s = A_s min_i(w^2 /
-/// r_i), w^2 = S (c/d)^2, over the particles i that move it, r_i being the row sums that springs of 1 N/m per
-/// m^2 would give: no particle then feels a squared frequency above w^2. On a flat side that is about k_s = S
-/// (lambda + 2 mu) A_s / d. A body without elastic particles takes c = 40 m/s, for an impact at 10 m/s to
-/// stay within a quarter of a spacing.
+/// The springs are as stiff as a time step allows that is known beforehand: with S = `stiffness` and the body's wave
+/// speed c = sqrt(modulus / density) over its spacing d, their highest frequency is w = sqrt(S) c/d. They are shared out
+/// so that every particle near the surface has about the same, k_s = A_s K / r_s: r_s is what springs of 1 N/m per m^2
+/// would give to the particles that move the vertex, and K makes w what it should be. A flat side has then about
+/// S (lambda + 2 mu) / 2d per area. A body without elastic particles takes c = 40 m/s, for an impact at 10 m/s to stay
+/// within a quarter of a spacing.
 class ContactBody {
  public:
   /// @throws std::invalid_argument when the body has no surface.
@@ -24,7 +24,7 @@ class ContactBody {
   Range vertices() const { return vertices_; }
   double spacing() const { return spacing_; }      ///< d [m]
   bool elastic() const { return elastic_; }        ///< has a modulus of its own
-  double frequency() const { return frequency_; }  ///< w, the highest of its contact springs [rad/s]
+  double frequency() const { return frequency_; }  ///< w, of all its contact springs at once [rad/s]
   double stiffness(Index vertex) const { return stiffness_[vertex - vertices_.begin]; }  ///< k_s [N/m]
   double per_area() const { return per_area_; }            ///< sum k_s / sum A_s [N/m^3]
   double weakest_limit() const { return weakest_limit_; }  ///< what one spring anywhere on it may have [N/m]
@@ -33,7 +33,7 @@ class ContactBody {
   void remember(const State& state);
   /// No vertex is farther than this from where it was [m].
   double moved(const State& state) const;
-  /// No vertex is faster [m/s].
+  /// Of the fastest particle [m/s].
   double speed(const State& state) const;
 
   std::size_t bytes() const;

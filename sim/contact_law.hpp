@@ -8,25 +8,27 @@
 
 namespace deforma {
 
-/// The spring that keeps surfaces apart: linear at first, stiffer the deeper they are,
+/// The spring that keeps surfaces apart. It begins `shell` spacings outside and is linear at first, stiffer the deeper
+/// they are,
 ///     E = k x^2/2 (1 + (x/a)^2/2),   a = `stiffening` spacings,
-/// so that gentle contact costs no small steps and a violent one, whose steps its speed makes small anyway,
-/// stays shallow.
+/// so that gentle contact costs no small steps, and a violent one, whose steps its speed makes small anyway, is not
+/// seen to go far through the surface.
 struct Penalty {
-  static constexpr double stiffening = 0.25;
+  static constexpr double shell = 0.15;
+  static constexpr double stiffening = 0.07;
 
-  double stiffness;  ///< k at the surface [N/m]
+  double stiffness;  ///< k where it begins [N/m]
   double spacing;    ///< of the particles [m]
 
-  double bend(double depth) const {
-    const double ratio = depth / (stiffening * spacing);
+  double bend(double x) const {
+    const double ratio = x / (stiffening * spacing);
     return ratio * ratio;
   }
-  double energy(double depth) const {
-    return 0.5 * stiffness * depth * depth * (1.0 + 0.5 * bend(depth));
-  }                                                                                     // [J]
-  double force(double depth) const { return stiffness * depth * (1.0 + bend(depth)); }  // [N]
-  double stiffening_at(double depth) const { return 1.0 + 3.0 * bend(depth); }          ///< E'' over k
+  double energy(double x) const { return 0.5 * stiffness * x * x * (1.0 + 0.5 * bend(x)); }  ///< [J]
+  double force(double x) const { return stiffness * x * (1.0 + bend(x)); }                   ///< [N]
+  /// The speed over the frequency with which a mass must come to get so deep [m].
+  double speed(double x) const { return x * std::sqrt(1.0 + 0.5 * bend(x)); }
+  double stiffening_at(double x) const { return 1.0 + 3.0 * bend(x); }  ///< E'' over k
 };
 
 /// What part of the penalty force acts while the surfaces move at `velocity` [m/s] (positive: apart).

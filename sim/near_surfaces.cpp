@@ -61,7 +61,7 @@ double find_near_surfaces(const State& state, std::span<const Vec3> points, Inde
     if (distance <= reach)
       close.push_back(s);
     else
-      far = std::min(far, 0.5 * distance);
+      far = std::min(far, 0.5 * (distance - settings.depth));
   }
   if (close.empty()) return far;
 
@@ -87,7 +87,8 @@ double find_near_surfaces(const State& state, std::span<const Vec3> points, Inde
   return std::min(far, settings.margin);
 }
 
-std::optional<Penetration> find_penetration(const Surface& surface, const NearSurface& near, double depth) {
+std::optional<Penetration> find_penetration(const Surface& surface, const NearSurface& near, double depth,
+                                            double reach) {
   const std::vector<Vec3>& x = surface.position;
   const Vec3& p = x[near.vertex];
   struct Candidate {
@@ -105,7 +106,7 @@ std::optional<Penetration> find_penetration(const Surface& surface, const NearSu
     all.push_back({k, w, q, (p - q).norm()});
     if (all.back().distance < best.distance) best = all.back();
   }
-  if (!(best.distance > 0.0) || best.distance > depth) return std::nullopt;
+  if (!(best.distance < std::max(depth, reach))) return std::nullopt;
   Vec3 normal = Vec3::Zero();
   for (const Candidate& c : all) {
     if ((c.point - best.point).norm() > 1e-6 * best.distance) continue;
@@ -117,8 +118,15 @@ std::optional<Penetration> find_penetration(const Surface& surface, const NearSu
       if (c.barycentric[k] == 1.0) angle = corner_angle(x[t[k]], x[t[(k + 1) % 3]], x[t[(k + 2) % 3]]);
     normal += angle * area.normalized();
   }
-  if ((p - best.point).dot(normal) >= 0.0) return std::nullopt;
-  return Penetration{best.distance, (best.point - p) / best.distance, best.triangle, best.barycentric};
+  const Vec3 apart = p - best.point;
+  const double side = apart.dot(normal) < 0.0 ? -1.0 : 1.0;
+  const double inside = -side * best.distance;
+  if (inside > depth || inside <= -reach) return std::nullopt;
+  if (best.distance > 0.0)
+    normal = side / best.distance * apart;
+  else
+    normal.normalize();
+  return Penetration{inside, normal, best.triangle, best.barycentric};
 }
 
 }  // namespace deforma

@@ -46,10 +46,12 @@ struct Penetration {
   Vec3 barycentric;  ///< of the closest point: times `normal`, the gradient with respect to its corners
 };
 
-/// Where the vertex is inside, and no deeper than `depth` [m]. Reads the surface's current positions.
+/// Where the vertex is inside, no deeper than `depth`, or outside, closer than `reach` [m]. Reads the surface's current
+/// positions.
 ///
 /// The side is told by the angle-weighted normal of the triangles that share the closest point (Baerentzen &
 /// Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005).
-std::optional<Penetration> find_penetration(const Surface& surface, const NearSurface& near, double depth);
+std::optional<Penetration> find_penetration(const Surface& surface, const NearSurface& near, double depth,
+                                            double reach);
 
 }  // namespace deforma

@@ -25,33 +25,38 @@ struct Walls {
 
 double positive(double distance) { return std::max(distance, 0.0); }
 
-// Each shape answers two questions: where is this point inside the solid, and how far is it from it?
+// Each shape answers two questions: where does this point touch the solid, and how far is it from it?
 
-void find_in(const PlaneShape& plane, const Vec3& p, std::vector<Touch>& touches) {
+void add(double depth, const Vec3& normal, double reach, std::vector<Touch>& touches) {
+  if (depth > -reach) touches.push_back({depth, normal});
+}
+
+void find_in(const PlaneShape& plane, const Vec3& p, double reach, std::vector<Touch>& touches) {
   const Vec3 normal = plane.normal.normalized();
-  const double depth = -normal.dot(p);
-  if (depth > 0.0) touches.push_back({depth, normal});
+  add(-normal.dot(p), normal, reach, touches);
 }
 
 double clearance_of(const PlaneShape& plane, const Vec3& p) {
   return positive(plane.normal.normalized().dot(p));
 }
 
-void find_in(const BoxShape& box, const Vec3& p, std::vector<Touch>& touches) {
+void find_in(const BoxShape& box, const Vec3& p, double reach, std::vector<Touch>& touches) {
   const Walls walls(box, p);
   if (box.inside) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (walls.low[axis] < 0.0) touches.push_back({-walls.low[axis], Vec3::Unit(axis)});
-      if (walls.high[axis] < 0.0) touches.push_back({-walls.high[axis], -Vec3::Unit(axis)});
+      add(-walls.low[axis], Vec3::Unit(axis), reach, touches);
+      add(-walls.high[axis], -Vec3::Unit(axis), reach, touches);
     }
     return;
   }
+  const Vec3 outside = (-walls.high).cwiseMax(0.0) - (-walls.low).cwiseMax(0.0);
+  if (outside.squaredNorm() > 0.0) return add(-outside.norm(), outside.normalized(), reach, touches);
   Touch nearest{infinity, Vec3::Zero()};
   for (int axis = 0; axis < 3; ++axis) {
     if (walls.low[axis] < nearest.depth) nearest = {walls.low[axis], -Vec3::Unit(axis)};
     if (walls.high[axis] < nearest.depth) nearest = {walls.high[axis], Vec3::Unit(axis)};
   }
-  if (nearest.depth > 0.0) touches.push_back(nearest);
+  add(nearest.depth, nearest.normal, reach, touches);
 }
 
 double clearance_of(const BoxShape& box, const Vec3& p) {
@@ -60,24 +65,25 @@ double clearance_of(const BoxShape& box, const Vec3& p) {
   return (-walls.low).cwiseMax(-walls.high).cwiseMax(0.0).norm();
 }
 
-void find_in(const CylinderShape& cylinder, const Vec3& p, std::vector<Touch>& touches) {
+void find_in(const CylinderShape& cylinder, const Vec3& p, double reach, std::vector<Touch>& touches) {
   const double r = std::hypot(p.x(), p.y());
   const Vec3 outward = r > 0.0 ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3::UnitX();
   const double side = cylinder.radius - r, top = 0.5 * cylinder.height - p.z(),
                bottom = 0.5 * cylinder.height + p.z();
   if (cylinder.inside) {
-    if (side < 0.0) touches.push_back({-side, -outward});
-    if (bottom < 0.0) touches.push_back({-bottom, Vec3::UnitZ()});
-    if (top < 0.0 && !cylinder.open) touches.push_back({-top, -Vec3::UnitZ()});
+    add(-side, -outward, reach, touches);
+    add(-bottom, Vec3::UnitZ(), reach, touches);
+    if (!cylinder.open) add(-top, -Vec3::UnitZ(), reach, touches);
     return;
   }
-  if (std::min({side, top, bottom}) <= 0.0) return;
+  const Vec3 outside = positive(-side) * outward + (positive(-top) - positive(-bottom)) * Vec3::UnitZ();
+  if (outside.squaredNorm() > 0.0) return add(-outside.norm(), outside.normalized(), reach, touches);
   if (side <= top && side <= bottom)
-    touches.push_back({side, outward});
+    add(side, outward, reach, touches);
   else if (top <= bottom)
-    touches.push_back({top, Vec3::UnitZ()});
+    add(top, Vec3::UnitZ(), reach, touches);
   else
-    touches.push_back({bottom, -Vec3::UnitZ()});
+    add(bottom, -Vec3::UnitZ(), reach, touches);
 }
 
 double clearance_of(const CylinderShape& cylinder, const Vec3& p) {
@@ -87,11 +93,13 @@ double clearance_of(const CylinderShape& cylinder, const Vec3& p) {
   return std::hypot(positive(-side), positive(std::max(-top, -bottom)));
 }
 
-void find_in(const SphereShape& sphere, const Vec3& p, std::vector<Touch>& touches) {
+void find_in(const SphereShape& sphere, const Vec3& p, double reach, std::vector<Touch>& touches) {
   const double r = p.norm();
   const Vec3 outward = r > 0.0 ? Vec3(p / r) : Vec3(Vec3::UnitZ());
-  const double depth = sphere.inside ? r - sphere.radius : sphere.radius - r;
-  if (depth > 0.0) touches.push_back({depth, sphere.inside ? Vec3(-outward) : outward});
+  if (sphere.inside)
+    add(r - sphere.radius, -outward, reach, touches);
+  else
+    add(sphere.radius - r, outward, reach, touches);
 }
 
 double clearance_of(const SphereShape& sphere, const Vec3& p) {
@@ -136,11 +144,12 @@ class MeshSolid {
       for (int k = 0; k < 3; ++k) at_edge_.push_back(edges.at(std::minmax(t[k], t[(k + 1) % 3])));
   }
 
-  void find(const Vec3& p, std::vector<Touch>& touches) const {
+  void find(const Vec3& p, double reach, std::vector<Touch>& touches) const {
     const Closest closest = tree_.closest(p);
-    const Vec3 normal = normal_at(closest);
-    if ((p - closest.point).dot(normal) >= 0.0) return;
-    touches.push_back({closest.distance, (closest.point - p) / closest.distance});
+    const Vec3 normal = normal_at(closest), apart = p - closest.point;
+    if (closest.distance == 0.0) return add(0.0, normal.normalized(), reach, touches);
+    const double side = apart.dot(normal) < 0.0 ? -1.0 : 1.0;
+    add(-side * closest.distance, side / closest.distance * apart, reach, touches);
   }
 
   double clearance(const Vec3& p) const {
@@ -189,9 +198,9 @@ ObstacleField::~ObstacleField() = default;
 ObstacleField::ObstacleField(ObstacleField&&) noexcept = default;
 ObstacleField& ObstacleField::operator=(ObstacleField&&) noexcept = default;
 
-void ObstacleField::find(const Vec3& point, std::vector<Touch>& touches) const {
-  std::visit(Overloaded{[&](const MeshSolid& mesh) { mesh.find(point, touches); },
-                        [&](const auto& shape) { find_in(shape, point, touches); }},
+void ObstacleField::find(const Vec3& point, std::vector<Touch>& touches, double reach) const {
+  std::visit(Overloaded{[&](const MeshSolid& mesh) { mesh.find(point, reach, touches); },
+                        [&](const auto& shape) { find_in(shape, point, reach, touches); }},
              data_->shape);
 }
 

@@ -58,10 +58,10 @@ struct Obstacle {
   Pose pose_at(double time) const;
 };
 
-/// A place where a point has entered something solid.
+/// A place where a point has entered something solid, or is close to it.
 struct Touch {
-  double depth;  ///< how deep [m], positive
-  Vec3 normal;   ///< unit, the way out
+  double depth;  ///< how deep [m], negative outside
+  Vec3 normal;   ///< unit, the way out: minus the gradient of the depth
 };
 
 /// Finds touches of points with obstacles. Holds whatever search structure a mesh needs.
@@ -74,7 +74,8 @@ class ObstacleField {
 
   /// Appends every touch of the point (a container's corner gives several: one per wall).
   /// @param point in the obstacle's own frame [m]
-  void find(const Vec3& point, std::vector<Touch>& touches) const;
+  /// @param reach points outside and closer than this touch, too [m]
+  void find(const Vec3& point, std::vector<Touch>& touches, double reach = 0.0) const;
 
   /// A lower bound of the distance to the solid [m]: how far the point may move before it can touch. Zero
   /// inside.

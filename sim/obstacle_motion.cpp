@@ -34,9 +34,9 @@ void ObstacleMotion::move_to(double time) {
   spin_ = angular_velocity(vector, rotation_.rate(time));
 }
 
-void ObstacleMotion::find(const Vec3& point, std::vector<Touch>& touches) const {
+void ObstacleMotion::find(const Vec3& point, std::vector<Touch>& touches, double reach) const {
   touches.clear();
-  field_.find(pose_.rotation.transpose() * (point - pose_.position), touches);
+  field_.find(pose_.rotation.transpose() * (point - pose_.position), touches, reach);
   for (Touch& touch : touches) touch.normal = pose_.rotation * touch.normal;
 }
 

@@ -14,8 +14,8 @@ class ObstacleMotion {
 
   void move_to(double time);  ///< [s]
 
-  /// Replaces `touches` by every touch of a point; normals in world coordinates.
-  void find(const Vec3& point, std::vector<Touch>& touches) const;
+  /// Replaces `touches` by every touch of a point, from `reach` [m] outside on; normals in world coordinates.
+  void find(const Vec3& point, std::vector<Touch>& touches, double reach) const;
   /// A lower bound of the distance to the solid [m].
   double clearance(const Vec3& point) const;
   /// Velocity of the obstacle's material at a point [m/s].

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/parallel.hpp"
 
@@ -16,7 +17,8 @@ std::vector<SurfaceRows::Entry> make_row(const State& state, std::size_t s) {
     double own = tie.weight;
     const Range links = state.links.row(i);
     for (Index l = links.begin; l < links.end; ++l) {
-      const double c = state.links.links[l].vector().dot(lever);
+      const double c = state.fit.quadratic() ? tie.weight * state.fit.pairs[l].there.dot(tie.arm)
+                                             : state.links.links[l].vector().dot(lever);
       row.emplace_back(state.links.links[l].j, c);
       own -= c;
     }
@@ -56,16 +58,33 @@ SurfaceRows make_surface_rows(const State& state, Range vertices) {
   return rows;
 }
 
-std::vector<double> squared_frequency_bounds(const State& state, const SurfaceRows& rows,
-                                             std::span<const double> stiffness) {
-  std::vector<double> bound(state.size(), 0.0);
-  for (std::size_t k = 0; k < stiffness.size(); ++k) {
-    const std::size_t s = rows.first + k;
-    const double gain = rows.gain(s);
-    for (const auto& [i, c] : rows.row(s))
-      bound[i] += stiffness[k] * std::abs(c) * gain / state.particles.mass[i];
+double largest_squared_frequency(const State& state, const SurfaceRows& rows,
+                                 std::span<const double> stiffness) {
+  // Rough, so that no symmetry of the body hides the highest mode from it.
+  std::vector<double> u(state.size()), answer(state.size());
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = 1.0 + 0.5 * std::sin(12.9898 * static_cast<double>(i));
+  double largest = 0.0;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    std::fill(answer.begin(), answer.end(), 0.0);
+    for (std::size_t k = 0; k < stiffness.size(); ++k) {
+      const auto row = rows.row(rows.first + k);
+      double moved = 0.0;
+      for (const auto& [i, c] : row) moved += c * u[i];
+      for (const auto& [i, c] : row) answer[i] += c * stiffness[k] * moved;
+    }
+    double across = 0.0, along = 0.0, size = 0.0;  // Rayleigh's quotient in the scalar product of the masses
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      across += u[i] * answer[i];
+      along += u[i] * u[i] * state.particles.mass[i];
+      answer[i] /= state.particles.mass[i];
+      size = std::max(size, std::abs(answer[i]));
+    }
+    if (!(size > 0.0)) return 0.0;
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] = answer[i] / size;
+    const double before = std::exchange(largest, across / along);
+    if (iteration > 5 && largest < 1.002 * before) break;
   }
-  return bound;
+  return 1.05 * largest;
 }
 
 }  // namespace deforma

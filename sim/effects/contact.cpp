@@ -30,9 +30,8 @@ const Setting settings[] = {
      .allowed = Interval::closed(0.0, 1.0)},
     {.key = "stiffness",
      .unit = "-",
-     .meaning =
-         "of the surface, about (lambda + 2 mu)/spacing per area; the step shrinks with its square root",
-     .fallback = Curve<double>(2.0),
+     .meaning = "of the surface: its squared frequency in units of (wave speed / spacing)^2",
+     .fallback = Curve<double>(4.0),
      .allowed = Interval::positive(),
      .keyframed = false},
     {.key = "bodies", .unit = "-", .meaning = "touches other bodies that have this table", .fallback = true},
@@ -62,7 +61,7 @@ struct Side {
 
   // How wide restitution is blended, in the velocity that a touch as deep would have come with: about one
   // step of the motion it damps.
-  double blend() const { return body.elastic() ? 1.5 : 0.15; }
+  double blend() const { return body.elastic() ? 1.5 : 0.05; }
   double frequency() const { return body.frequency() * std::sqrt(softening); }
   // The springs of two bodies act on the relative motion: at most twice as stiff for each.
   double stable_step() const {
@@ -74,7 +73,7 @@ struct Side {
 // One vertex touching one thing.
 struct Contact {
   Index partner;  // an obstacle's number, or the count of obstacles plus a body's
-  double depth;
+  double depth;   // from where the spring begins
   Vec3 normal;    // the way out
   Vec3 velocity;  // relative
   Penalty penalty;
@@ -279,7 +278,11 @@ class ContactEffect : public Effect {
           },
           64);
     }
-    for (double distance : far) slack_ = std::min(slack_, distance);
+    for (const Side& side : sides_) {
+      const double shell = Penalty::shell * side.body.spacing();
+      for (Index s = side.body.vertices().begin; s < side.body.vertices().end; ++s)
+        slack_ = std::min(slack_, far[s] - shell);
+    }
   }
 
   void search_surfaces(const State& state, const Side& a, const Side& b,
@@ -311,11 +314,12 @@ class ContactEffect : public Effect {
     if (!(stiffness > 0.0)) return;
     const Vec3 &point = state.surface.position[s], &velocity = state.surface.velocity[s];
     thread_local std::vector<Touch> touches;
+    const double shell = Penalty::shell * side.body.spacing();
     for (Index o : candidate.obstacles) {
-      obstacles_[o].find(point, touches);
+      obstacles_[o].find(point, touches, shell);
       for (const Touch& touch : touches)
         contacts.push_back({.partner = o,
-                            .depth = touch.depth,
+                            .depth = touch.depth + shell,
                             .normal = touch.normal,
                             .velocity = velocity - obstacles_[o].velocity_at(point),
                             .penalty = {stiffness, side.body.spacing()},
@@ -325,13 +329,14 @@ class ContactEffect : public Effect {
     for (const NearSurface& surface : candidate.surfaces) {
       const Side& other = sides_[side_of_[surface.body]];
       const double spacing = std::min(side.body.spacing(), other.body.spacing());
-      const auto inside = find_penetration(state.surface, surface, deepest * spacing);
+      const double pair_shell = Penalty::shell * spacing;
+      const auto inside = find_penetration(state.surface, surface, deepest * spacing, pair_shell);
       if (!inside) continue;
       const Triangle& t = state.surface.triangles[inside->triangle];
       Vec3 relative = velocity;
       for (int c = 0; c < 3; ++c) relative -= inside->barycentric[c] * state.surface.velocity[t[c]];
       contacts.push_back({.partner = partner_of(other),
-                          .depth = inside->depth,
+                          .depth = inside->depth + pair_shell,
                           .normal = inside->normal,
                           .velocity = relative,
                           .penalty = {pair_stiffness(side, stiffness, other), spacing},
@@ -359,11 +364,10 @@ class ContactEffect : public Effect {
     const Side& side = sides_[candidate.side];
     const double shared = 1.0 / static_cast<double>(std::max<std::size_t>(contacts.size(), 1));
     for (const Contact& contact : contacts) {
-      const double stiffening = contact.penalty.stiffening_at(contact.depth);
       const double speed = contact.normal.dot(contact.velocity);
       const double ahead = contact.depth + 2.0 * last_step_ * std::max(0.0, -speed);
       candidate.stiffening = std::max(candidate.stiffening, contact.penalty.stiffening_at(ahead));
-      const double blend = side.blend() * side.frequency() * std::sqrt(stiffening) * contact.depth;
+      const double blend = side.blend() * side.frequency() * contact.penalty.speed(contact.depth);
       const double normal_force =
           contact.penalty.force(contact.depth) * restitution_factor(speed, contact.restitution, blend);
       const Vec3 sliding = contact.velocity - speed * contact.normal;

@@ -105,8 +105,7 @@ class Pressure : public Effect {
           (x[t[1]] - x[t[0]]).norm() + (x[t[2]] - x[t[1]]).norm() + (x[t[0]] - x[t[2]]).norm();
       for (Index corner : t) stiffness[corner - body.vertices.begin] += sides / 6.0;
     }
-    const auto bounds = squared_frequency_bounds(state, make_surface_rows(state, body.vertices), stiffness);
-    return *std::max_element(bounds.begin(), bounds.end());
+    return largest_squared_frequency(state, make_surface_rows(state, body.vertices), stiffness);
   }
 
   void list_triangles(const Surface& surface) {
