@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <exception>
@@ -11,7 +12,7 @@
 
 namespace {
 
-/// Every name that an unexpected argument may have meant: options of the chosen command, or commands.
+/// Every name that an unexpected argument may have meant: the options of the chosen command, or the commands.
 std::vector<std::string> valid_names(const CLI::App& program) {
   std::vector<std::string> names;
   std::vector<CLI::App*> chosen = program.get_subcommands();
@@ -27,8 +28,9 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
   std::vector<std::string> extras = program.remaining(true);
   if (!extras.empty()) {
     std::string name = extras.front().substr(0, extras.front().find('='));
-    fmt::print(stderr, "error: unknown argument '{}'{}\n", extras.front(),
-               deforma::did_you_mean(name, valid_names(program)));
+    std::vector<std::string> valid = valid_names(program);
+    fmt::print(stderr, "error: unknown argument '{}'{} (allowed: {})\n", extras.front(),
+               deforma::did_you_mean(name, valid), fmt::join(valid, ", "));
   } else {
     fmt::print(stderr, "error: {}\n", error.what());
   }

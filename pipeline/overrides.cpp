@@ -43,6 +43,14 @@ toml::table parse_nested(std::span<const std::string> keys, const Override& give
   return toml::parse(left + quoted(given.value), given.origin);
 }
 
+/// What a body or an obstacle is called: by its name, else as the reader will call it.
+std::string name_of(const toml::table& table) {
+  if (std::optional<std::string> name = table["name"].value<std::string>()) return *name;
+  if (std::optional<std::string> mesh = table["mesh"].value<std::string>())
+    return std::filesystem::path(*mesh).stem().string();
+  return table["shape"]["type"].value_or(std::string());
+}
+
 /// The element that an index or a name means.
 std::size_t element_index(const toml::array& array, const std::string& key, const Override& given) {
   std::size_t index = 0;
@@ -55,7 +63,7 @@ std::size_t element_index(const toml::array& array, const std::string& key, cons
   std::vector<std::string> names;
   for (std::size_t i = 0; i < array.size(); ++i) {
     const toml::table* table = array[i].as_table();
-    std::string name = table ? (*table)["name"].value_or(std::string()) : std::string();
+    std::string name = table ? name_of(*table) : std::string();
     if (name == key) return i;
     if (!name.empty()) names.push_back(name);
   }

@@ -50,9 +50,9 @@ int run(const Options& options) {
   RunRecord record = run_scene(std::move(scene), run_options);
 
   if (!options.quiet)
-    fmt::print("{} frames in {:.1f} s on {} ({}): {}\n", record.frames_written, record.seconds,
-               record.context.renderer, record.context.platform,
-               (run_options.folder / (has_video ? video : "frames")).string());
+    fmt::print("{} frame{} in {:.1f} s on {} ({}): {}\n", record.frames_written,
+               record.frames_written == 1 ? "" : "s", record.seconds, record.context.renderer,
+               record.context.platform, (run_options.folder / (has_video ? video : "frames")).string());
   if (record.ending == Ending::diverged) {
     fmt::print(stderr, "error: {}\nThe {} frames before that are kept.\n", record.ending_message,
                record.frames_written);

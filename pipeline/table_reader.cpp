@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+
+#include "pipeline/toml_text.hpp"
 
 namespace deforma {
 
@@ -24,10 +25,7 @@ void fail(const toml::node& node, std::string_view path, std::string_view messag
 
 std::string found_text(const toml::node& node) {
   if (node.is_table()) return "a table";
-  if (const toml::value<double>* number = node.as_floating_point()) return fmt::format("{}", number->get());
-  std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
-  std::string found = text.str();
+  std::string found = to_inline_text(node);
   constexpr std::size_t longest = 60;
   return found.size() <= longest ? found : found.substr(0, longest) + "...";
 }

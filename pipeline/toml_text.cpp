@@ -17,25 +17,8 @@ std::string number_text(double value) {
   return plain ? text + ".0" : text;
 }
 
-std::string inline_text(const toml::node& node) {
-  if (const toml::value<double>* number = node.as_floating_point()) return number_text(number->get());
-  std::string text;
-  if (const toml::array* array = node.as_array()) {
-    for (const toml::node& element : *array) text += (text.empty() ? "" : ", ") + inline_text(element);
-    return fmt::format("[{}]", text);
-  }
-  if (const toml::table* table = node.as_table()) {
-    for (const auto& [key, value] : *table)
-      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key.str(), inline_text(value));
-    return text.empty() ? "{}" : fmt::format("{{ {} }}", text);
-  }
-  std::ostringstream stream;
-  node.visit([&](const auto& value) { stream << value; });
-  return stream.str();
-}
-
 void append_lines(std::string& text, const toml::table& table) {
-  for (const auto& [key, value] : table) text += fmt::format("{} = {}\n", key.str(), inline_text(value));
+  for (const auto& [key, value] : table) text += fmt::format("{} = {}\n", key.str(), to_inline_text(value));
 }
 
 bool is_list_of_tables(const toml::node& node) {
@@ -65,11 +48,31 @@ nlohmann::json to_json(const toml::node& node) {
 
 }  // namespace
 
+std::string to_inline_text(const toml::node& node) {
+  if (const toml::value<double>* number = node.as_floating_point()) return number_text(number->get());
+  if (const toml::value<std::string>* plain = node.as_string())
+    if (plain->get().find_first_of("\"\\\n\r\t") == std::string::npos)
+      return fmt::format("\"{}\"", plain->get());
+  std::string text;
+  if (const toml::array* array = node.as_array()) {
+    for (const toml::node& element : *array) text += (text.empty() ? "" : ", ") + to_inline_text(element);
+    return fmt::format("[{}]", text);
+  }
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, value] : *table)
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key.str(), to_inline_text(value));
+    return text.empty() ? "{}" : fmt::format("{{ {} }}", text);
+  }
+  std::ostringstream stream;
+  node.visit([&](const auto& value) { stream << value; });
+  return stream.str();
+}
+
 std::string to_toml_text(const toml::table& table) {
   std::string text;
   for (const auto& [key, value] : table)
     if (!value.is_table() && !is_list_of_tables(value))
-      text += fmt::format("{} = {}\n", key.str(), inline_text(value));
+      text += fmt::format("{} = {}\n", key.str(), to_inline_text(value));
   for (const auto& [key, value] : table) {
     if (const toml::table* inner = value.as_table()) {
       text += fmt::format("\n[{}]\n", key.str());

@@ -6,6 +6,9 @@
 
 namespace deforma {
 
+/// A node as TOML in one line.
+std::string to_inline_text(const toml::node& node);
+
 /// A scene's table as TOML: values first, then [tables] and [[lists of tables]], whatever is deeper in one
 /// line. Numbers are written with the fewest digits that read back the same.
 std::string to_toml_text(const toml::table& table);

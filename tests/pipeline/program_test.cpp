@@ -1,5 +1,6 @@
 #include "tests/pipeline/program.hpp"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -41,7 +42,7 @@ TEST(Program, UnknownArgumentsAreToldWithTheNearest) {
   Said option = deforma_program("run x.toml --overwrit");
   EXPECT_EQ(option.code, 2);
   EXPECT_THAT(option.text, HasSubstr("unknown argument '--overwrit'; did you mean '--overwrite'?"));
-  Said command = deforma_program("rnu x.toml");
+  Said command = deforma_program("runn x.toml");
   EXPECT_EQ(command.code, 2);
   EXPECT_THAT(command.text, HasSubstr("did you mean 'run'?"));
   EXPECT_EQ(deforma_program("").code, 2);
@@ -53,7 +54,7 @@ TEST(Program, EffectsListsTheWholeRegistry) {
   Said said = deforma_program("effects");
   EXPECT_EQ(said.code, 0);
   for (const EffectInfo& info : effect_registry()) {
-    EXPECT_THAT(said.text, HasSubstr("\n" + std::string(info.name) + ": " + std::string(info.summary)));
+    EXPECT_THAT(said.text, HasSubstr(fmt::format("\n{}: {}", info.name, info.summary)));
     for (const Setting& setting : info.settings)
       EXPECT_THAT(said.text, HasSubstr(std::string(setting.meaning)));
   }
@@ -205,6 +206,33 @@ TEST(Program, MistakesEndWithTwoOneMessageAndNothingLeft) {
     EXPECT_EQ(std::count(said.text.begin(), said.text.end(), '\n'), 1) << said.text;
     EXPECT_FALSE(fs::exists(scratch / "deep")) << mistake.line;
   }
+}
+
+TEST(Program, ADivergedRunKeepsItsGoodFrames) {
+  Scratch scratch;
+  fs::path scene = scratch.write("scene.toml", small_scene());
+  // Beyond any finite position within a few frames.
+  Said said = deforma_program(run_line(scene, scratch / "out", "--set 'body.0.velocity=[0, 0, 1e307]'"));
+  EXPECT_EQ(said.code, 3) << said.text;
+  EXPECT_THAT(said.text, AllOf(HasSubstr("error: "), HasSubstr("frames before that are kept")));
+  EXPECT_TRUE(fs::exists(scratch / "out/frames/0001.png"));
+  EXPECT_FALSE(fs::exists(scratch / "out/frames/0010.png"));
+  std::size_t pictures = 0;
+  for (const auto& entry : fs::directory_iterator(scratch / "out/frames"))
+    pictures += entry.is_regular_file();
+  EXPECT_EQ(inspect_video(scratch / "out/video.mp4").frames, pictures);
+  EXPECT_THAT(read_text_file(scratch / "out/report.json"), HasSubstr("\"diverged\""));
+}
+
+TEST(Program, ThreadsDoNotChangeThePictures) {
+  Scratch scratch;
+  fs::path scene = scratch.write("scene.toml", small_scene());
+  for (std::string threads : {"1", "2"})
+    ASSERT_EQ(deforma_program(run_line(scene, scratch / threads,
+                                       "--quiet --set body.0.particles=2000 --threads " + threads))
+                  .code,
+              0);
+  EXPECT_EQ(read_text_file(scratch / "1/frames/0010.png"), read_text_file(scratch / "2/frames/0010.png"));
 }
 
 TEST(Program, AnInterruptedRunLeavesAValidVideo) {

@@ -88,8 +88,8 @@ TEST(Scene, AnElasticBodyGetsHourglassControlUnlessRefused) {
 TEST(Scene, EffectsAreThoseWithATable) {
   Scratch scratch;
   std::vector<std::string> names;
-  for (const SceneEffect& effect : load_text(scratch, small_scene("damping = 0.5")).bodies[0].effects)
-    names.emplace_back(effect.info->name);
+  Scene scene = load_text(scratch, small_scene("damping = 0.5"));
+  for (const SceneEffect& effect : scene.bodies[0].effects) names.emplace_back(effect.info->name);
   EXPECT_THAT(names, testing::UnorderedElementsAre("elastic", "hourglass", "contact", "damping"));
 }
 
@@ -112,7 +112,7 @@ TEST(Scene, SeveralTablesOfOneEffect) {
                           [&](const SceneEffect& e) { return e.info->name == name; }),
             2);
   EXPECT_THAT(refusal(scratch, small_scene("damping = [{ rate = 1 }, { rate = 2 }]")),
-              HasSubstr("scene.toml:12: body.damping: may stand only once, found 2 tables"));
+              HasSubstr("scene.toml:13: body.damping: may stand only once, found 2 tables"));
 }
 
 TEST(Scene, KeyframesAreToldFromVectors) {
@@ -174,6 +174,7 @@ TEST(Scene, SetReachesEveryKey) {
   EXPECT_EQ(effect_of(scene.world, "gravity").parameters.vector("acceleration").at(0), Vec3(0, 0, -1));
   EXPECT_EQ(scene.output.view, "both");
   EXPECT_EQ(scene.camera.up, Vec3(0, 1, 0));
+  EXPECT_DOUBLE_EQ(load_text(scratch, small_scene(), {"body.box.density=7"}).bodies[0].density, 7.0);
 }
 
 TEST(Scene, SetRefusesWhatIsNotThere) {
