@@ -18,7 +18,11 @@ struct Imported {
   std::vector<std::string> warnings;
 };
 
-/// Reads any format that assimp reads.
+/// Reads any format that assimp reads: all meshes of the file in one, each where its nodes put it, polygons cut into
+/// triangles, duplicate points welded, triangles without area dropped. An inside-out or open mesh stays as it is.
+///
+/// Coordinates are taken as they stand in the file and mean metres; only COLLADA's declared unit is applied. No axis is
+/// turned: z is up in this world, so a file made with y up lies on its back until it is posed.
 /// @throws std::runtime_error naming the file and what is wrong with it: missing, empty, no mesh, a non-finite vertex,
 ///         an index out of range, no triangle left.
 Imported import_mesh(const std::filesystem::path& file);
