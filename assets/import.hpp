@@ -13,7 +13,7 @@ struct Imported {
   Mesh mesh;
   std::size_t meshes = 0;             ///< that the file holds, merged with their node transforms
   std::size_t polygons = 0;           ///< faces of more than three corners, triangulated
-  std::size_t welded_points = 0;      ///< duplicates merged
+  std::size_t welded_points = 0;      ///< merged; the reader makes one of every face corner in some formats
   std::size_t dropped_triangles = 0;  ///< without area
   std::vector<std::string> warnings;
 };
