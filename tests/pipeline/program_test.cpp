@@ -210,9 +210,12 @@ TEST(Program, MistakesEndWithTwoOneMessageAndNothingLeft) {
 
 TEST(Program, ADivergedRunKeepsItsGoodFrames) {
   Scratch scratch;
-  fs::path scene = scratch.write("scene.toml", small_scene());
-  // Beyond any finite position within a few frames.
-  Said said = deforma_program(run_line(scene, scratch / "out", "--set 'body.0.velocity=[0, 0, 1e307]'"));
+  // From the fourth frame on a force that nothing withstands pulls at one end.
+  std::string text = small_scene(
+      "load = { force = [[0, [0, 0, 0]], [0.1, [0, 0, 0]], [0.11, [0, 0, 1e12]]], region = { min = [-9, -9, "
+      "0.6] } }");
+  text.replace(text.find("contact = true"), 14, "contact = false");
+  Said said = deforma_program(run_line(scratch.write("scene.toml", text), scratch / "out"));
   EXPECT_EQ(said.code, 3) << said.text;
   EXPECT_THAT(said.text, AllOf(HasSubstr("error: "), HasSubstr("frames before that are kept")));
   EXPECT_TRUE(fs::exists(scratch / "out/frames/0001.png"));
