@@ -2,6 +2,7 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "pipeline/commands.hpp"
@@ -23,13 +24,19 @@ struct Options {
   bool quiet = false;
 };
 
+/// out/NAME, whatever the name holds.
+std::filesystem::path default_folder(std::string name) {
+  std::replace(name.begin(), name.end(), '/', '_');
+  return std::filesystem::path("out") / name;
+}
+
 int run(const Options& options) {
   Scene scene = options.scene.load();
   if (options.no_video) scene.output.video = "none";
 
   RunOptions run_options;
-  run_options.folder = options.folder.empty() ? std::filesystem::path("out") / scene.name
-                                              : std::filesystem::path(options.folder);
+  run_options.folder =
+      options.folder.empty() ? default_folder(scene.name) : std::filesystem::path(options.folder);
   if (!options.frames.empty()) run_options.frames = parse_frames(options.frames, scene.frames());
   run_options.overwrite = options.overwrite;
   run_options.platform = options.platform;
