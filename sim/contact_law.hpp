@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "sim/types.hpp"
 
@@ -15,7 +16,7 @@ namespace deforma {
 /// seen to go far through the surface.
 struct Penalty {
   static constexpr double shell = 0.15;
-  static constexpr double stiffening = 0.07;
+  static constexpr double stiffening = 0.06;
 
   double stiffness;  ///< k where it begins [N/m]
   double spacing;    ///< of the particles [m]
@@ -51,6 +52,18 @@ struct Slip {
 
   double energy() const { return 0.5 * stiffness * stretch.squaredNorm(); }  // [J]
 };
+
+/// The spring of the same contact a substep ago, or a slack one: a container's walls are told apart by their normals.
+inline Slip take_slip(std::span<const Slip> slips, Index partner, const Vec3& normal) {
+  Slip best{partner, normal, Vec3::Zero(), 0.0};
+  double alike = 0.7;  // cosine between the normals
+  for (const Slip& slip : slips) {
+    if (slip.partner != partner || slip.normal.dot(normal) <= alike) continue;
+    alike = slip.normal.dot(normal);
+    best.stretch = slip.stretch;
+  }
+  return best;
+}
 
 /// Coulomb friction: spring and damper in parallel, and never more than `limit` = mu times the normal force.
 /// When they would give more, the contact slides and the spring is let out to what the limit can hold beside

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include "sim/contact_body.hpp"
 #include "sim/contact_law.hpp"
-#include "sim/near_surfaces.hpp"
-#include "sim/obstacle_motion.hpp"
+#include "sim/contact_properties.hpp"
+#include "sim/contact_search.hpp"
 #include "sim/parallel.hpp"
 #include "sim/triangle_tree.hpp"
 
@@ -38,42 +38,16 @@ const Setting settings[] = {
     {.key = "self", .unit = "-", .meaning = "touches itself", .fallback = false},
 };
 
-// Lengths in spacings.
-constexpr double search_margin = 0.5;     // how far obstacles are looked for around a vertex
-constexpr double body_margin = 0.25;      // how far bodies move before neighbours are sought again
-constexpr double deepest = 1.0;           // inside another body, deeper is not touching any more
-constexpr double own_neighborhood = 2.0;  // surface closer at rest does not count as touching itself
-constexpr double travel_per_step = 0.25;  // so that nothing passes a surface unseen
+constexpr double travel_per_step = 0.35;  // spacings, so that nothing passes a surface unseen
+constexpr double foresight = 0.4;         // spacings: how far ahead of it a vertex sees a surface
 
-constexpr double resolved = 0.07;  // of the stable step, for a free particle's bounce to keep its energy
 constexpr double friction_spring = 0.5;    // of the normal one: the sum over a corner's walls stays in bounds
 constexpr double friction_damping = 0.25;  // of the stable step: the time constant of damper over spring
-
-// One table, and its body.
-struct Side {
-  ContactBody body;
-  Curve<double> friction, restitution, young;
-  bool bodies, self;
-  double young_then;        // when the springs were measured [Pa]
-  bool paired = false;      // something besides obstacles can be touched
-  double softening = 1.0;   // of the springs: Young's modulus now over then
-  double stiffening = 1.0;  // of the deepest touch: E'' over k
-
-  // How wide restitution is blended, in the velocity that a touch as deep would have come with: about one
-  // step of the motion it damps.
-  double blend() const { return body.elastic() ? 1.5 : 0.05; }
-  double frequency() const { return body.frequency() * std::sqrt(softening); }
-  // The springs of two bodies act on the relative motion: at most twice as stiff for each.
-  double stable_step() const {
-    const double step = 2.0 / (frequency() * std::sqrt((paired ? 2.0 : 1.0) * stiffening));
-    return body.elastic() ? step : resolved * step;
-  }
-};
 
 // One vertex touching one thing.
 struct Contact {
   Index partner;  // an obstacle's number, or the count of obstacles plus a body's
-  double depth;   // from where the spring begins
+  double depth;   // of the vertex beyond the surface itself, negative outside
   Vec3 normal;    // the way out
   Vec3 velocity;  // relative
   Penalty penalty;
@@ -88,15 +62,14 @@ struct Answer {
   Vec3 barycentric;
 };
 
-// A vertex that something is near.
+// A vertex that something is near, and what became of it this substep.
 struct Candidate {
-  Index vertex;
-  Index side;
-  std::vector<Index> obstacles = {};
-  std::vector<NearSurface> surfaces = {};
-  std::vector<Slip> slips = {};
-  std::vector<Answer> answers = {};  // of this substep
-  double stiffening = 1.0;           // of this substep
+  NearVertex near;
+  std::vector<Slip> slips;
+  std::vector<Answer> answers = {};
+  double stiffening = 1.0;
+  double arrival = infinity;  // until it is where contact begins [s]
+  double passage = infinity;  // for the way from there to where the spring is much stiffer [s]
 };
 
 class ContactEffect : public Effect {
@@ -111,13 +84,19 @@ class ContactEffect : public Effect {
                         .friction = p.number("friction"),
                         .restitution = p.number("restitution"),
                         .young = body.young,
-                        .bodies = p.flag("bodies"),
-                        .self = p.flag("self"),
                         .young_then = body.young.at(state.time)});
     }
-    for (Side& a : sides_)
-      for (const Side& b : sides_) a.paired = a.paired || (&a == &b ? a.self : a.bodies && b.bodies);
+    for (const EffectTable& table : tables)
+      search_.push_back({table.body, table.parameters.flag("bodies"), table.parameters.flag("self")});
+    for (std::size_t a = 0; a < search_.size(); ++a)
+      for (std::size_t b = 0; b < search_.size(); ++b)
+        sides_[a].paired =
+            sides_[a].paired || (a == b ? search_[a].self : search_[a].bodies && search_[b].bodies);
     for (const Obstacle& obstacle : state.obstacles) obstacles_.emplace_back(obstacle);
+    full_shells_.assign(state.surface.size(), 0.0);
+    for (const ContactProperties& side : sides_)
+      for (Index s = side.body.vertices().begin; s < side.body.vertices().end; ++s)
+        full_shells_[s] = Penalty::shell * side.body.spacing();
   }
 
   std::string_view name() const override { return "contact"; }
@@ -126,9 +105,8 @@ class ContactEffect : public Effect {
   bool near(const State& state) override {
     time_ = state.time;
     for (ObstacleMotion& obstacle : obstacles_) obstacle.move_to(time_);
-    for (Side& side : sides_)
-      if (side.young_then > 0.0) side.softening = side.young.at(time_) / side.young_then;
-    if (searched_ && moved(state) <= slack_) return false;
+    for (ContactProperties& side : sides_) side.move_to(time_);
+    if (searched_ && moved(state) <= 0.5 * slack_) return false;
     search(state);
     searched_ = true;
     return true;
@@ -136,8 +114,8 @@ class ContactEffect : public Effect {
 
   void mark(const State& state, std::span<std::uint8_t> wanted) const override {
     for (const Candidate& candidate : candidates_) {
-      wanted[candidate.vertex] = 1;
-      for (const NearSurface& surface : candidate.surfaces)
+      wanted[candidate.near.vertex] = 1;
+      for (const NearSurface& surface : candidate.near.surfaces)
         for (Index t : surface.triangles)
           for (Index corner : state.surface.triangles[t]) wanted[corner] = 1;
     }
@@ -147,17 +125,38 @@ class ContactEffect : public Effect {
     parallel_for_each(
         candidates_.size(), [&](std::size_t k) { answer(state, candidates_[k]); }, 64);
     elapsed_ = 0.0;
-    for (Side& side : sides_) side.stiffening = 1.0;
+    for (ContactProperties& side : sides_) side.stiffening = 1.0;
     for (const Candidate& candidate : candidates_) {
-      double& stiffening = sides_[candidate.side].stiffening;
+      double& stiffening = sides_[candidate.near.side].stiffening;
       stiffening = std::max(stiffening, candidate.stiffening);
       for (const Answer& answer : candidate.answers) {
-        force[candidate.vertex] += answer.force;
+        force[candidate.near.vertex] += answer.force;
         if (answer.triangle == Closest::none) continue;
         const Triangle& t = state.surface.triangles[answer.triangle];
         for (int c = 0; c < 3; ++c) force[t[c]] -= answer.barycentric[c] * answer.force;
         double& other = sides_[side_of_[state.surface.body[t[0]]]].stiffening;
         other = std::max(other, candidate.stiffening);
+      }
+    }
+  }
+
+  // The skin can stand still while particles are driven through it: they are kept out themselves, without friction.
+  void force(const State& state, std::span<Vec3> force) override {
+    std::vector<Touch> touches;
+    for (const NearParticle& near : particles_) {
+      const Vec3 x = state.particles.position(near.particle);
+      ContactProperties& side = sides_[near.side];
+      const Penalty penalty = particle_penalty(state, near);
+      for (Index o : near.obstacles) {
+        obstacles_[o].find(x, touches, 0.0);
+        for (const Touch& touch : touches) {
+          const double speed =
+              touch.normal.dot(state.particles.velocity[near.particle] - obstacles_[o].velocity_at(x));
+          const double blend = side.blend() * side.frequency() * penalty.speed(touch.depth);
+          force[near.particle] += penalty.force(touch.depth) *
+                                  restitution_factor(speed, side.restitution.at(time_), blend) * touch.normal;
+          side.stiffening = std::max(side.stiffening, stiffening_ahead(penalty, touch.depth, speed));
+        }
       }
     }
   }
@@ -172,19 +171,29 @@ class ContactEffect : public Effect {
     std::vector<Contact> contacts;
     for (const Candidate& candidate : candidates_) {
       collect(state, candidate, contacts);
-      for (const Contact& contact : contacts) sum += contact.penalty.energy(contact.depth);
+      for (const Contact& contact : contacts)
+        sum += contact.penalty.energy(std::max(0.0, compression(candidate, contact)));
       for (const Slip& slip : candidate.slips) sum += slip.energy();
     }
+    std::vector<Touch> touches;
+    for (const NearParticle& near : particles_)
+      for (Index o : near.obstacles) {
+        obstacles_[o].find(state.particles.position(near.particle), touches, 0.0);
+        for (const Touch& touch : touches) sum += particle_penalty(state, near).energy(touch.depth);
+      }
     return sum;
   }
 
   double stable_step(const State& state) const override {
     double step = infinity, speed = 0.0, length = infinity;
-    for (const Side& side : sides_) {
+    for (const ContactProperties& side : sides_) {
       step = std::min(step, side.stable_step());
       speed = std::max(speed, side.body.speed(state));
       length = std::min(length, side.body.spacing());
     }
+    // What arrives must not find itself deep inside at once: that would give it energy.
+    for (const Candidate& candidate : candidates_)
+      step = std::min(step, std::max(candidate.arrival - last_step_, 0.0) + candidate.passage);
     double obstacle_speed = 0.0;
     for (const ObstacleMotion& obstacle : obstacles_) {
       obstacle_speed = std::max(obstacle_speed, obstacle.speed(searched_ ? moved_ : 0.0));
@@ -196,10 +205,10 @@ class ContactEffect : public Effect {
 
   std::size_t bytes() const override {
     std::size_t sum = points_.capacity() * sizeof(Vec3) + candidates_.capacity() * sizeof(Candidate);
-    for (const Side& side : sides_) sum += side.body.bytes();
+    for (const ContactProperties& side : sides_) sum += side.body.bytes();
     for (const Candidate& candidate : candidates_) {
       sum += candidate.slips.capacity() * sizeof(Slip) + candidate.answers.capacity() * sizeof(Answer);
-      for (const NearSurface& surface : candidate.surfaces)
+      for (const NearSurface& surface : candidate.near.surfaces)
         sum += surface.triangles.capacity() * sizeof(Index);
     }
     return sum;
@@ -209,48 +218,43 @@ class ContactEffect : public Effect {
   // How far a vertex can have moved towards something since the last search.
   double moved(const State& state) {
     moved_ = 0.0;
-    for (const Side& side : sides_) moved_ = std::max(moved_, side.body.moved(state));
+    for (const ContactProperties& side : sides_) moved_ = std::max(moved_, side.body.moved(state));
     double obstacles = 0.0;
     for (const ObstacleMotion& obstacle : obstacles_) obstacles = std::max(obstacles, obstacle.moved(moved_));
     return moved_ + obstacles;
   }
 
-  // Lists anew every vertex that something is near, all vertices being looked at.
+  // Lists anew every vertex and particle that something is near, all of them being looked at.
   void search(const State& state) {
     std::vector<std::vector<Slip>> slips(state.surface.size());
-    for (Candidate& candidate : candidates_) slips[candidate.vertex] = std::move(candidate.slips);
-    candidates_.clear();
+    for (Candidate& candidate : candidates_) slips[candidate.near.vertex] = std::move(candidate.slips);
     points_.resize(state.surface.size());
     deform_surface(state.surface, state.particles, state.fit, state.F, points_);
-    slack_ = infinity;
-    moved_ = 0.0;
-    for (Side& side : sides_) side.body.remember(state);
+    for (ContactProperties& side : sides_) side.body.remember(state);
     remember_obstacles();
+    moved_ = 0.0;
 
-    std::vector<std::vector<Index>> obstacles(points_.size());
-    search_obstacles(obstacles);
-    std::vector<NearSurface> surfaces;
-    for (const Side& a : sides_)
-      for (const Side& b : sides_) search_surfaces(state, a, b, slips, surfaces);
-    std::vector<std::vector<NearSurface>> of_vertex(points_.size());
-    for (NearSurface& surface : surfaces) of_vertex[surface.vertex].push_back(std::move(surface));
-    for (Index k = 0; k < sides_.size(); ++k) {
-      const Range vertices = sides_[k].body.vertices();
-      for (Index s = vertices.begin; s < vertices.end; ++s) {
-        if (obstacles[s].empty() && of_vertex[s].empty()) continue;
-        candidates_.push_back({.vertex = s,
-                               .side = k,
-                               .obstacles = std::move(obstacles[s]),
-                               .surfaces = std::move(of_vertex[s]),
-                               .slips = std::move(slips[s])});
-      }
+    const auto touching_itself = [&](Index s) {
+      return std::any_of(slips[s].begin(), slips[s].end(), [&](const Slip& slip) {
+        return slip.partner == obstacles_.size() + state.surface.body[s];
+      });
+    };
+    ContactPlaces places = find_contact_places(state, points_, search_, obstacles_, touching_itself);
+    slack_ = places.slack;
+    particles_ = std::move(places.particles);
+    const std::vector<double> before = std::exchange(shells_, full_shells_);
+    candidates_.clear();
+    for (NearVertex& near : places.vertices) {
+      const Index s = near.vertex;
+      shells_[s] = before.empty() ? 0.0 : before[s];
+      candidates_.push_back({std::move(near), std::move(slips[s])});
     }
   }
 
   // The ball around all vertices bounds the lever of an obstacle's rotation.
   void remember_obstacles() {
     Vec3 low = Vec3::Constant(infinity), high = -low;
-    for (const Side& side : sides_)
+    for (const ContactProperties& side : sides_)
       for (Index s = side.body.vertices().begin; s < side.body.vertices().end; ++s) {
         low = low.cwiseMin(points_[s]);
         high = high.cwiseMax(points_[s]);
@@ -259,84 +263,53 @@ class ContactEffect : public Effect {
       obstacle.remember(0.5 * (low + high), 0.5 * (high - low).norm());
   }
 
-  void search_obstacles(std::vector<std::vector<Index>>& near) {
-    std::vector<double> far(points_.size(), infinity);
-    for (const Side& side : sides_) {
-      const Range vertices = side.body.vertices();
-      const double margin = search_margin * side.body.spacing();
-      parallel_for_each(
-          vertices.size(),
-          [&](std::size_t k) {
-            const Index s = vertices.begin + static_cast<Index>(k);
-            for (Index o = 0; o < obstacles_.size(); ++o) {
-              const double clearance = obstacles_[o].clearance(points_[s]);
-              if (clearance <= margin)
-                near[s].push_back(o);
-              else
-                far[s] = std::min(far[s], clearance);
-            }
-          },
-          64);
-    }
-    for (const Side& side : sides_) {
-      const double shell = Penalty::shell * side.body.spacing();
-      for (Index s = side.body.vertices().begin; s < side.body.vertices().end; ++s)
-        slack_ = std::min(slack_, far[s] - shell);
-    }
-  }
-
-  void search_surfaces(const State& state, const Side& a, const Side& b,
-                       std::span<const std::vector<Slip>> slips, std::vector<NearSurface>& surfaces) {
-    const bool self = &a == &b;
-    if (self ? !a.self : !(a.bodies && b.bodies)) return;
-    const double spacing = std::min(a.body.spacing(), b.body.spacing());
-    const Index partner = partner_of(b);
-    const auto touching = [&](Index s) {
-      return std::any_of(slips[s].begin(), slips[s].end(),
-                         [&](const Slip& slip) { return slip.partner == partner; });
-    };
-    const double far = find_near_surfaces(
-        state, points_, a.body.body(), b.body.body(),
-        {deepest * spacing, body_margin * spacing, own_neighborhood * spacing}, touching, surfaces);
-    slack_ = std::min(slack_, far);
-  }
-
-  Index partner_of(const Side& side) const {
+  Index partner_of(const ContactProperties& side) const {
     return static_cast<Index>(obstacles_.size()) + side.body.body();
   }
 
-  // Every contact of a candidate as things stand.
+  Penalty particle_penalty(const State& state, const NearParticle& near) const {
+    const ContactProperties& side = sides_[near.side];
+    const double frequency = side.frequency();
+    return {0.5 * state.particles.mass[near.particle] * frequency * frequency, side.body.spacing()};
+  }
+
+  // A step is chosen before it is known where it leads: what the spring will be then.
+  double stiffening_ahead(const Penalty& penalty, double depth, double speed) const {
+    return penalty.stiffening_at(depth + 2.0 * last_step_ * std::max(0.0, -speed));
+  }
+
+  // Every contact of a candidate as things stand, and those to come: their depth is negative.
   void collect(const State& state, const Candidate& candidate, std::vector<Contact>& contacts) const {
     contacts.clear();
-    const Index s = candidate.vertex;
-    const Side& side = sides_[candidate.side];
+    const Index s = candidate.near.vertex;
+    const ContactProperties& side = sides_[candidate.near.side];
     const double stiffness = side.softening * side.body.stiffness(s);
     if (!(stiffness > 0.0)) return;
     const Vec3 &point = state.surface.position[s], &velocity = state.surface.velocity[s];
     thread_local std::vector<Touch> touches;
-    const double shell = Penalty::shell * side.body.spacing();
-    for (Index o : candidate.obstacles) {
-      obstacles_[o].find(point, touches, shell);
+    const double reach = (Penalty::shell + foresight) * side.body.spacing();
+    for (Index o : candidate.near.obstacles) {
+      obstacles_[o].find(point, touches, reach);
       for (const Touch& touch : touches)
         contacts.push_back({.partner = o,
-                            .depth = touch.depth + shell,
+                            .depth = touch.depth,
                             .normal = touch.normal,
                             .velocity = velocity - obstacles_[o].velocity_at(point),
                             .penalty = {stiffness, side.body.spacing()},
                             .friction = std::max(side.friction.at(time_), obstacles_[o].friction()),
                             .restitution = side.restitution.at(time_)});
     }
-    for (const NearSurface& surface : candidate.surfaces) {
-      const Side& other = sides_[side_of_[surface.body]];
+    for (const NearSurface& surface : candidate.near.surfaces) {
+      const ContactProperties& other = sides_[side_of_[surface.body]];
       const double spacing = std::min(side.body.spacing(), other.body.spacing());
-      const double pair_shell = Penalty::shell * spacing;
-      const auto inside = find_penetration(state.surface, surface, deepest * spacing, pair_shell);
+      const auto inside = find_penetration(state.surface, surface, deepest_contact * spacing,
+                                           (Penalty::shell + foresight) * spacing);
       if (!inside) continue;
       const Triangle& t = state.surface.triangles[inside->triangle];
       Vec3 relative = velocity;
       for (int c = 0; c < 3; ++c) relative -= inside->barycentric[c] * state.surface.velocity[t[c]];
       contacts.push_back({.partner = partner_of(other),
-                          .depth = inside->depth + pair_shell,
+                          .depth = inside->depth,
                           .normal = inside->normal,
                           .velocity = relative,
                           .penalty = {pair_stiffness(side, stiffness, other), spacing},
@@ -347,31 +320,43 @@ class ContactEffect : public Effect {
     }
   }
 
-  // Both bodies' vertices act, half each, and no stiffer than what the softer one can take.
-  static double pair_stiffness(const Side& side, double stiffness, const Side& other) {
-    const double own = side.softening * side.body.per_area(),
-                 others = other.softening * other.body.per_area();
-    return 0.5 *
-           std::min(stiffness * std::min(1.0, others / own), other.softening * other.body.weakest_limit());
+  // How far a contact's spring is compressed [m]. It begins outside the surface, but for a vertex that has been too close
+  // from the start only as far out as it ever was: what is put on the floor is not thrown off it.
+  double compression(const Candidate& candidate, const Contact& contact) const {
+    return contact.depth + std::min(shells_[candidate.near.vertex], Penalty::shell * contact.penalty.spacing);
   }
 
-  void answer(const State& state, Candidate& candidate) const {
+  void answer(const State& state, Candidate& candidate) {
     thread_local std::vector<Contact> contacts;
     collect(state, candidate, contacts);
     candidate.answers.clear();
     candidate.stiffening = 1.0;
+    candidate.arrival = candidate.passage = infinity;
     std::vector<Slip> slips;
-    const Side& side = sides_[candidate.side];
+    const ContactProperties& side = sides_[candidate.near.side];
+    double gap = infinity;
+    for (const Contact& contact : contacts) gap = std::min(gap, -contact.depth);
+    double& shell = shells_[candidate.near.vertex];
+    shell = std::max(shell, std::min(gap, Penalty::shell * side.body.spacing()));
+    for (Contact& contact : contacts) {
+      contact.depth = compression(candidate, contact);
+      const double approach = -contact.normal.dot(contact.velocity);
+      if (contact.depth > 0.0 || approach <= 0.0 || -contact.depth / approach > candidate.arrival) continue;
+      candidate.arrival = -contact.depth / approach;
+      candidate.passage = Penalty::stiffening * contact.penalty.spacing / approach;
+    }
+    std::erase_if(contacts, [](const Contact& contact) { return contact.depth <= 0.0; });
     const double shared = 1.0 / static_cast<double>(std::max<std::size_t>(contacts.size(), 1));
     for (const Contact& contact : contacts) {
       const double speed = contact.normal.dot(contact.velocity);
-      const double ahead = contact.depth + 2.0 * last_step_ * std::max(0.0, -speed);
-      candidate.stiffening = std::max(candidate.stiffening, contact.penalty.stiffening_at(ahead));
+      candidate.stiffening =
+          std::max(candidate.stiffening, stiffening_ahead(contact.penalty, contact.depth, speed));
       const double blend = side.blend() * side.frequency() * contact.penalty.speed(contact.depth);
       const double normal_force =
           contact.penalty.force(contact.depth) * restitution_factor(speed, contact.restitution, blend);
       const Vec3 sliding = contact.velocity - speed * contact.normal;
-      Slip slip = take_slip(candidate.slips, contact, sliding);
+      Slip slip = take_slip(candidate.slips, contact.partner, contact.normal);
+      slip.stretch += elapsed_ * sliding;
       slip.stiffness = shared * friction_spring * contact.penalty.stiffness;
       const double damping = shared * friction_damping * contact.penalty.stiffness * 2.0 / side.frequency();
       const Vec3 friction = friction_force(slip, sliding, damping, contact.friction * normal_force);
@@ -382,24 +367,15 @@ class ContactEffect : public Effect {
     candidate.slips = std::move(slips);
   }
 
-  // The spring of the same contact a substep ago, stretched by the motion since, or a new one.
-  Slip take_slip(std::span<const Slip> slips, const Contact& contact, const Vec3& sliding) const {
-    const Slip* best = nullptr;
-    double alike = 0.7;  // of the normals: a container's walls are told apart by them
-    for (const Slip& slip : slips) {
-      if (slip.partner != contact.partner || slip.normal.dot(contact.normal) <= alike) continue;
-      alike = slip.normal.dot(contact.normal);
-      best = &slip;
-    }
-    const Vec3 stretch = best ? Vec3(best->stretch + elapsed_ * sliding) : Vec3(Vec3::Zero());
-    return {contact.partner, contact.normal, stretch, 0.0};
-  }
-
-  std::vector<Side> sides_;
-  std::vector<Index> side_of_;  // of each body, Closest::none without a table
+  std::vector<ContactProperties> sides_;
+  std::vector<Index> side_of_;       // of each body, Closest::none without a table
+  std::vector<ContactSide> search_;  // beside `sides_`
   std::vector<ObstacleMotion> obstacles_;
-  std::vector<Candidate> candidates_;  // ascending by side, then vertex
-  std::vector<Vec3> points_;           // of the whole surface, at the last search
+  std::vector<Candidate> candidates_;    // ascending by side, then vertex
+  std::vector<NearParticle> particles_;  // near obstacles
+  std::vector<double> shells_;           // how far outside contact begins, per vertex [m]
+  std::vector<double> full_shells_;      // where nothing was near at the start
+  std::vector<Vec3> points_;             // of the whole surface, at the last search
   bool searched_ = false;
   double slack_ = 0.0;  // how far anything may move before the next search [m]
   double moved_ = 0.0;  // how far vertices have moved since the last [m]

@@ -33,6 +33,8 @@ constexpr double step_near = 0.04;   // how much a pair's distance may change in
 constexpr double look_ahead = 0.08;  // and in the two steps for which a measured stiffness has to serve
 constexpr double step_far = 0.25;    // while none are
 
+constexpr double resolved = 0.15;  // of the stable step, for a collision to keep its energy
+
 double plain(double r) {
   const double s = 1.0 / (r * r * r * r * r * r);
   return 4.0 * (s * s - s);
@@ -112,7 +114,7 @@ class LennardJones : public Effect {
     const double change = (pairs_.empty() ? step_far : step_near) * narrowest_;
     const double travel =
         fastest > 0.0 ? change / (2.0 * std::sqrt(fastest)) : std::numeric_limits<double>::infinity();
-    return stiffness_ > 0.0 ? std::min(travel, 2.0 / std::sqrt(stiffness_)) : travel;
+    return stiffness_ > 0.0 ? std::min(travel, resolved * 2.0 / std::sqrt(stiffness_)) : travel;
   }
 
   std::size_t bytes() const override {

@@ -181,7 +181,7 @@ TEST(Contact, FrictionOnlyTakesEnergy) {
     EXPECT_LT(now, before + 2e-3 * start) << "frame " << frame;
     before = now;
   }
-  EXPECT_LT(before, 0.7 * start);
+  EXPECT_LT(before, 0.85 * start);
 }
 
 // A stiff block on a floor, gravity tilted.
@@ -236,6 +236,19 @@ TEST(Contact, ABlockSticksBelowTheAngleOfFrictionAndSlidesAboveIt) {
       EXPECT_LT(std::abs(slid), 1e-4);
     else
       EXPECT_GT(slid, 0.5 * (std::sin(slope) - 0.3 * std::cos(slope)) * 9.81 * 0.5);
+  }
+}
+
+TEST(Contact, WhatIsPutOnTheFloorIsNotThrownOffIt) {
+  State state = block_on_floor();
+  state.obstacles[0].position = Vec3(0, 0, 0);
+  auto requests = elastic_of(0, 1e6);
+  requests.push_back(contact_of(0, 0.3, 0.3));
+  requests.push_back(gravity_of(0, Vec3(0, 0, -9.81)));
+  Solver solver = make_solver(std::move(state), requests);
+  for (int frame = 0; frame < 50; ++frame) {
+    solver.advance(0.01);
+    EXPECT_LT(std::abs(mean_displacement(solver.state()).z()), 0.005);
   }
 }
 
@@ -347,7 +360,7 @@ TEST(Contact, AnImpactAtTheSpeedOfSoundStaysFiniteAndOutsideTheWall) {
       solver.deform(points);
       for (const Vec3& point : points) ASSERT_GT(point.z(), -0.05 - 0.05) << "speed " << speed;
       for (std::size_t i = 0; i < solver.state().size(); ++i)
-        ASSERT_GT(solver.state().particles.position(i).z(), -0.05 - 0.075) << "speed " << speed;
+        ASSERT_GT(solver.state().particles.position(i).z(), -0.05 - 0.1) << "speed " << speed;
       EXPECT_LT(solver.ledger().total(), 1.01 * before) << "speed " << speed << " frame " << frame;
     }
   }
@@ -373,6 +386,10 @@ TEST(Contact, NoVertexIsMissedHoweverTheBodyMoves) {
                0.1 * std::sin(20.0 * state.time) * state.particles.rest[i].x(), 0);
     std::vector<Vec3> force = total_force(state, kept);
     auto anew = make_effects(twin, std::vector{contact_of(0, 0.0, 0.3)});
+    std::vector<Vec3> here = twin.particles.displacement;
+    for (Vec3& u : twin.particles.displacement) u.z() += 100.0;
+    total_force(twin, anew);  // so that it comes from afar
+    twin.particles.displacement = here;
     std::vector<Vec3> expected = total_force(twin, anew);
     for (std::size_t i = 0; i < force.size(); ++i) {
       ASSERT_LT((force[i] - expected[i]).norm(), 1e-12 * (1.0 + expected[i].norm())) << "step " << step;
