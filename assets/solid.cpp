@@ -21,7 +21,7 @@ constexpr double sheet = 0.6;   // |sum of area vectors| / area: 0 closed, 0.5 a
 constexpr double flat = 1e-12;  // of the cube of the diagonal: below it there is no volume
 constexpr double columns_counted =
     2e4;  // through a closed mesh, to find overlaps and the volume of their union
-constexpr double points_counted = 2e5;  // through an open mesh, where each costs a winding number
+constexpr double points_counted = 5e4;  // through an open mesh, where each costs a winding number
 
 /// No boundary in the sense of homology: then the winding number is a whole number everywhere, and adding up crossings
 /// along any line gives it exactly.
@@ -96,7 +96,15 @@ Solid::Solid(const Mesh& mesh)
         "counted");
 }
 
-bool Solid::contains(const Vector3d& point) const { return std::abs(winding_.at(point)) > inside_threshold; }
+bool Solid::winds_around(const Vector3d& point) const {
+  return std::abs(winding_.at(point)) > inside_threshold;
+}
+
+bool Solid::contains(const Vector3d& point) const {
+  std::vector<char> inside(1);
+  mark_column(point.x(), point.y(), point.z(), 1.0, inside);
+  return inside[0] != 0;
+}
 
 bool Solid::cross_column(double x, double y, std::vector<Crossing>& crossings) const {
   crossings.clear();
@@ -131,7 +139,7 @@ void Solid::mark_column(double x, double y, double z0, double step, std::vector<
     return;
   }
   for (std::size_t k = 0; k < inside.size(); ++k)
-    inside[k] = contains({x, y, z0 + step * static_cast<double>(k)});
+    inside[k] = winds_around({x, y, z0 + step * static_cast<double>(k)});
 }
 
 double Solid::count_column(double x, double y, double cell, bool& irregular) const {

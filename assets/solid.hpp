@@ -45,6 +45,7 @@ class Solid {
     int step;  ///< change of the winding number when going up
   };
 
+  bool winds_around(const Eigen::Vector3d& point) const;
   bool cross_column(double x, double y, std::vector<Crossing>& crossings) const;
   double count_column(double x, double y, double length_of_cell, bool& irregular) const;
   double count_volume(bool& irregular) const;
