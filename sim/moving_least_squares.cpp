@@ -39,19 +39,23 @@ Moment invert(const Mat3& A) {
     moment.plane.setIdentity();
     return moment;
   }
-  Eigen::Matrix<double, 3, Eigen::Dynamic> V = eigen.eigenvectors().rightCols(rank);  // ascending eigenvalues
-  Eigen::MatrixXd reduced = V.transpose() * A * V;
-  moment.inverse = V * reduced.inverse() * V.transpose();
-  moment.plane = V * V.transpose();
+  Mat3 V = eigen.eigenvectors();  // ascending eigenvalues
+  V.leftCols(3 - rank).setZero();
+  const Mat3 Q = V * V.transpose();
+  // What is not spanned is filled up so that the rest can be inverted, then taken out again.
+  const Mat3 filled = Q * A * Q + largest * (Mat3::Identity() - Q);
+  moment.inverse = Q * filled.inverse() * Q;
+  moment.plane = Q;
   return moment;
 }
 
-using Vec9 = Eigen::Matrix<double, 9, 1>;
-using Mat9 = Eigen::Matrix<double, 9, 9>;
+// Dynamic sizes with a fixed bound: neither the heap, nor the minutes of compiling that unrolled 9 x 9 products take.
+using Vec9 = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1>;
+using Mat9 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
 
 // Linear and quadratic terms of the Taylor expansion about the particle.
 Vec9 taylor_terms(const Vec3& X) {
-  Vec9 p;
+  Vec9 p(9);
   p << X, 0.5 * X.x() * X.x(), 0.5 * X.y() * X.y(), 0.5 * X.z() * X.z(), X.y() * X.z(), X.z() * X.x(),
       X.x() * X.y();
   return p;
@@ -64,16 +68,17 @@ bool quadratic_row(const Particles& particles, const Neighborhood& links, std::s
   Range row = links.row(i);
   if (row.size() < 9) return false;
   const double h = links.support[i];
-  Mat9 M = Mat9::Zero();
+  Mat9 M = Mat9::Zero(9, 9);
   for (Index l = row.begin; l < row.end; ++l) {
     Vec9 p = taylor_terms((particles.rest[links.links[l].j] - particles.rest[i]) / h);
     M += static_cast<double>(links.links[l].weight) * p * p.transpose();
   }
-  Eigen::SelfAdjointEigenSolver<Mat9> eigen(M, Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues().minCoeff() > dropped_quadratic_eigenvalue * eigen.eigenvalues().maxCoeff()))
-    return false;
-  Eigen::Matrix<double, 9, 3> gradient_rows =
-      M.ldlt().solve(Eigen::Matrix<double, 9, 3>(Eigen::Matrix<double, 9, 3>::Identity()));
+  Eigen::SelfAdjointEigenSolver<Mat9> eigen(M);
+  const auto& values = eigen.eigenvalues();  // ascending
+  if (!(values[0] > dropped_quadratic_eigenvalue * values[8])) return false;
+  const Mat9 scaled = eigen.eigenvectors() * values.cwiseInverse().asDiagonal();
+  const Mat9 gradient_rows =
+      scaled * eigen.eigenvectors().topRows(3).transpose();  // of M^-1, the linear columns
   for (Index l = row.begin; l < row.end; ++l) {
     Vec9 p = taylor_terms((particles.rest[links.links[l].j] - particles.rest[i]) / h);
     pairs[l].there = links.links[l].weight / h * (gradient_rows.transpose() * p);
