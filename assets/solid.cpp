@@ -91,7 +91,7 @@ Solid::Solid(const Mesh& mesh)
                     "their outside",
                     facts_.non_manifold_edges));
   if (irregular)
-    warnings_.push_back(
+    warnings_.emplace_back(
         "parts of the mesh overlap or face opposite ways: their union is filled, and its volume is "
         "counted");
 }

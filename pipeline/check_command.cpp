@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,7 +10,6 @@
 #include "pipeline/build.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/framing.hpp"
-#include "pipeline/scene_options.hpp"
 #include "pipeline/stopwatch.hpp"
 
 namespace deforma {
@@ -86,6 +84,8 @@ void try_out(const Scene& scene, Solver& solver) {
              duration_text(spent / simulated * scene.duration), solver.statistics().substeps);
 }
 
+}  // namespace
+
 int check(const SceneOptions& options) {
   Scene scene = options.load();
   std::optional<tbb::global_control> threads;
@@ -107,15 +107,6 @@ int check(const SceneOptions& options) {
   try_out(scene, *world.solver);
   for (const std::string& warning : world.warnings) fmt::print(stderr, "warning: {}\n", warning);
   return exit_ok;
-}
-
-}  // namespace
-
-void add_check_command(CLI::App& program, Action& action) {
-  auto options = std::make_shared<SceneOptions>();
-  CLI::App* command = program.add_subcommand("check", "Validate a scene and say what running it takes");
-  options->add_to(*command);
-  command->callback([options, &action] { action = [options] { return check(*options); }; });
 }
 
 }  // namespace deforma

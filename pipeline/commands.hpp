@@ -1,22 +1,40 @@
 #pragma once
 
-#include <functional>
+#include <string>
 
-namespace CLI {
-class App;
-}
+#include "pipeline/scene_options.hpp"
 
+// The commands of the program, each in a file of its own, with what the command line says to it. Each returns the
+// program's exit code and throws UserError for a mistake of the user's.
 namespace deforma {
 
-/// What the command line asked for; returns the program's exit code.
-using Action = std::function<int()>;
+/// `deforma run`: simulates a scene and writes its frames, video and report.
+struct RunCommand {
+  SceneOptions scene;
+  std::string folder;  ///< out/NAME when empty
+  std::string frames;  ///< A:B; all when empty
+  std::string platform = "auto";
+  bool no_video = false;
+  bool overwrite = false;
+  bool quiet = false;
+};
+int run(const RunCommand& command);
 
-// Each adds its command, with options and help, and puts what it does into `action` when it is chosen.
-void add_run_command(CLI::App& program, Action& action);
-void add_check_command(CLI::App& program, Action& action);
-void add_effects_command(CLI::App& program, Action& action);
-void add_mesh_command(CLI::App& program, Action& action);
-void add_new_command(CLI::App& program, Action& action);
+/// `deforma check`: validates a scene and says what running it takes.
+int check(const SceneOptions& options);
+
+/// `deforma effects`: the table of effects.
+int print_effects();
+
+/// `deforma mesh`: what a mesh file holds.
+int print_mesh(const std::string& name);
+
+/// `deforma new`: writes a commented starter scene.
+struct NewCommand {
+  std::string mesh;  ///< to fit the scene to; a built-in shape when empty
+  std::string file;  ///< to write; standard output when empty
+};
+int write_new_scene(const NewCommand& command);
 
 /// Exit codes of the program.
 enum ExitCode {

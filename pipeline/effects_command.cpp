@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <string>
 
@@ -40,6 +39,8 @@ std::string range_of(const Setting& setting) {
   return range;
 }
 
+}  // namespace
+
 int print_effects() {
   fmt::print(
       "Effects, in the order in which they run. A body or [world] has one exactly when it has its table:\n"
@@ -52,14 +53,6 @@ int print_effects() {
       fmt::print("    {:<16} {:<9} {:<14} {:<28} {}\n", s.key, s.unit, default_of(s), range_of(s), s.meaning);
   }
   return exit_ok;
-}
-
-}  // namespace
-
-void add_effects_command(CLI::App& program, Action& action) {
-  CLI::App* command =
-      program.add_subcommand("effects", "List every effect with its settings, units, defaults and ranges");
-  command->callback([&action] { action = print_effects; });
 }
 
 }  // namespace deforma

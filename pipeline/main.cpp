@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,76 @@
 #include "pipeline/report.hpp"
 #include "pipeline/user_error.hpp"
 
+using namespace deforma;
+
 namespace {
+
+/// What the command line says, and which command it chose. The only file that knows CLI11.
+struct CommandLine {
+  CLI::App program{"Animations of deforming solids, simulated and rendered without a display", "deforma"};
+  RunCommand run_options;
+  SceneOptions check_options;
+  std::string mesh;
+  NewCommand new_options;
+  std::function<int()> action;
+
+  CommandLine() {
+    add_run();
+    CLI::App* command = add("check", "Validate a scene and say what running it takes",
+                            [this] { return check(check_options); });
+    add_scene_options(*command, check_options);
+    add("effects", "List every effect with its settings, units, defaults and ranges", print_effects);
+    command = add("mesh", "Say what a mesh file holds", [this] { return print_mesh(mesh); });
+    command->add_option("file", mesh, "Any format that assimp reads")->required();
+    command = add("new", "Write a commented starter scene", [this] { return write_new_scene(new_options); });
+    command->add_option("--from", new_options.mesh, "Fit the scene to this mesh")->type_name("MESH");
+    command->add_option("-o,--output", new_options.file, "File to write; standard output by default")
+        ->type_name("FILE");
+    program.require_subcommand(1);
+    program.set_version_flag("--version", version_text());
+  }
+
+  CLI::App* add(const std::string& name, const std::string& help, std::function<int()> does) {
+    CLI::App* command = program.add_subcommand(name, help);
+    command->set_version_flag("--version", version_text());
+    command->callback([this, does = std::move(does)] { action = does; });
+    return command;
+  }
+
+  static void add_scene_options(CLI::App& command, SceneOptions& options) {
+    command.add_option("scene", options.scene, "Scene file, or the name of a shipped scene")->required();
+    command
+        .add_option("--set", options.sets,
+                    "Give a key another value, such as body.0.elastic.young=1e5; may be repeated")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command.add_option("--size", options.size, "Size of the pictures in pixels")->type_name("WxH");
+    command.add_option("--view", options.view, "What is drawn: surface, particles or both")
+        ->type_name("VIEW");
+    command.add_option("--threads", options.threads, "How many threads simulate; all by default")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+  }
+
+  void add_run() {
+    RunCommand& options = run_options;
+    CLI::App* command = add("run", "Simulate a scene and write its frames, video and report",
+                            [this] { return run(run_options); });
+    add_scene_options(*command, options.scene);
+    command->add_option("-o,--output", options.folder, "Folder to write to; out/NAME by default")
+        ->type_name("DIR");
+    command->add_option("--frames", options.frames, "Write only these frames, counted from 1")
+        ->type_name("A:B");
+    command
+        ->add_option("--platform", options.platform, "Where to draw: auto, device:N, surfaceless or default")
+        ->type_name("PLATFORM");
+    command->add_flag("--no-video", options.no_video, "Write the frames only");
+    command->add_flag("--overwrite", options.overwrite,
+                      "Replace the frames, video and report of an earlier run");
+    command->add_flag("--quiet", options.quiet, "Say nothing but errors");
+  }
+};
 
 /// Every name that an unexpected argument may have meant: the options of the chosen command, or the commands.
 std::vector<std::string> valid_names(const CLI::App& program) {
@@ -30,38 +100,28 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
     std::string name = extras.front().substr(0, extras.front().find('='));
     std::vector<std::string> valid = valid_names(program);
     fmt::print(stderr, "error: unknown argument '{}'{} (allowed: {})\n", extras.front(),
-               deforma::did_you_mean(name, valid), fmt::join(valid, ", "));
+               did_you_mean(name, valid), fmt::join(valid, ", "));
   } else {
     fmt::print(stderr, "error: {}\n", error.what());
   }
   fmt::print(stderr, "See deforma --help.\n");
-  return deforma::exit_user_error;
+  return exit_user_error;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program("Animations of deforming solids, simulated and rendered without a display", "deforma");
-  deforma::Action action;
-  deforma::add_run_command(program, action);
-  deforma::add_check_command(program, action);
-  deforma::add_effects_command(program, action);
-  deforma::add_mesh_command(program, action);
-  deforma::add_new_command(program, action);
-  program.require_subcommand(1);
-  program.set_version_flag("--version", deforma::version_text());
-  for (CLI::App* command : program.get_subcommands(nullptr))
-    command->set_version_flag("--version", deforma::version_text());
+  CommandLine line;
   try {
-    program.parse(argc, argv);
-    return action();
+    line.program.parse(argc, argv);
+    return line.action();
   } catch (const CLI::ParseError& error) {
-    return explain(program, error);
-  } catch (const deforma::UserError& error) {
+    return explain(line.program, error);
+  } catch (const UserError& error) {
     fmt::print(stderr, "error: {}\n", error.what());
-    return deforma::exit_user_error;
+    return exit_user_error;
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
-    return deforma::exit_failure;
+    return exit_failure;
   }
 }

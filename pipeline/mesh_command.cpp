@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "assets/import.hpp"
@@ -24,6 +23,8 @@ Imported import_or_explain(const std::string& name) {
   }
 }
 
+}  // namespace
+
 int print_mesh(const std::string& name) {
   Imported imported = import_or_explain(name);
   MeshFacts facts = inspect(imported.mesh);
@@ -46,15 +47,6 @@ int print_mesh(const std::string& name) {
       imported.meshes, imported.polygons, imported.welded_points, imported.dropped_triangles);
   for (const std::string& warning : imported.warnings) fmt::print(stderr, "warning: {}\n", warning);
   return exit_ok;
-}
-
-}  // namespace
-
-void add_mesh_command(CLI::App& program, Action& action) {
-  auto file = std::make_shared<std::string>();
-  CLI::App* command = program.add_subcommand("mesh", "Say what a mesh file holds");
-  command->add_option("file", *file, "Any format that assimp reads")->required();
-  command->callback([file, &action] { action = [file] { return print_mesh(*file); }; });
 }
 
 }  // namespace deforma

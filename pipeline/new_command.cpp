@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -19,11 +18,6 @@ namespace deforma {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Options {
-  std::string mesh;
-  std::string file;
-};
 
 /// Three digits are enough to start from.
 double rounded(double value) {
@@ -44,7 +38,7 @@ struct Fit {
                    0.9};  ///< of the mesh's origin, so that it begins half its height above the ground [m]
 };
 
-Fit fit_to_mesh(const Options& options) {
+Fit fit_to_mesh(const NewCommand& options) {
   fs::path scene_here = "scene.toml";
   fs::path file = find_mesh(options.mesh, scene_here);
   if (file.empty()) throw UserError("--from: " + missing_mesh_message(options.mesh, scene_here));
@@ -116,7 +110,9 @@ friction = 0.5
                      fmt::arg("box", number(2.0 * fit.size)), fmt::arg("half_box", number(fit.size)));
 }
 
-int write_scene(const Options& options) {
+}  // namespace
+
+int write_new_scene(const NewCommand& options) {
   Fit fit;
   fit.source = "shape = { type = \"cylinder\", radius = 0.3, height = 0.8 }  # or mesh = \"file.obj\"";
   if (!options.mesh.empty()) fit = fit_to_mesh(options);
@@ -134,17 +130,6 @@ int write_scene(const Options& options) {
     throw UserError(error.what());
   }
   return exit_ok;
-}
-
-}  // namespace
-
-void add_new_command(CLI::App& program, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("new", "Write a commented starter scene");
-  command->add_option("--from", options->mesh, "Fit the scene to this mesh")->type_name("MESH");
-  command->add_option("-o,--output", options->file, "File to write; standard output by default")
-      ->type_name("FILE");
-  command->callback([options, &action] { action = [options] { return write_scene(*options); }; });
 }
 
 }  // namespace deforma

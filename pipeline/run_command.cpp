@@ -1,28 +1,15 @@
 #include <fmt/core.h>
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "pipeline/commands.hpp"
 #include "pipeline/interrupt.hpp"
 #include "pipeline/run.hpp"
-#include "pipeline/scene_options.hpp"
 
 namespace deforma {
 
 namespace {
-
-struct Options {
-  SceneOptions scene;
-  std::string folder;
-  std::string frames;
-  std::string platform = "auto";
-  bool no_video = false;
-  bool overwrite = false;
-  bool quiet = false;
-};
 
 /// out/NAME, whatever the name holds.
 std::filesystem::path default_folder(std::string name) {
@@ -30,7 +17,9 @@ std::filesystem::path default_folder(std::string name) {
   return std::filesystem::path("out") / name;
 }
 
-int run(const Options& options) {
+}  // namespace
+
+int run(const RunCommand& options) {
   Scene scene = options.scene.load();
   if (options.no_video) scene.output.video = "none";
 
@@ -66,27 +55,6 @@ int run(const Options& options) {
     return exit_diverged;
   }
   return record.ending == Ending::interrupted ? exit_interrupted : exit_ok;
-}
-
-}  // namespace
-
-void add_run_command(CLI::App& program, Action& action) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      program.add_subcommand("run", "Simulate a scene and write its frames, video and report");
-  options->scene.add_to(*command);
-  command->add_option("-o,--output", options->folder, "Folder to write to; out/NAME by default")
-      ->type_name("DIR");
-  command->add_option("--frames", options->frames, "Write only these frames, counted from 1")
-      ->type_name("A:B");
-  command
-      ->add_option("--platform", options->platform, "Where to draw: auto, device:N, surfaceless or default")
-      ->type_name("PLATFORM");
-  command->add_flag("--no-video", options->no_video, "Write the frames only");
-  command->add_flag("--overwrite", options->overwrite,
-                    "Replace the frames, video and report of an earlier run");
-  command->add_flag("--quiet", options->quiet, "Say nothing but errors");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 
 }  // namespace deforma

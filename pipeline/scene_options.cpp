@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 
 #include "pipeline/files.hpp"
@@ -20,21 +19,6 @@ std::optional<int> whole_number(const std::string& text) {
 }
 
 }  // namespace
-
-void SceneOptions::add_to(CLI::App& command) {
-  command.add_option("scene", scene, "Scene file, or the name of a shipped scene")->required();
-  command
-      .add_option("--set", sets,
-                  "Give a key another value, such as body.0.elastic.young=1e5; may be repeated")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--size", size, "Size of the pictures in pixels")->type_name("WxH");
-  command.add_option("--view", view, "What is drawn: surface, particles or both")->type_name("VIEW");
-  command.add_option("--threads", threads, "How many threads simulate; all by default")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
-}
 
 Scene SceneOptions::load() const {
   std::vector<Override> overrides;

@@ -7,10 +7,6 @@
 #include "pipeline/run.hpp"
 #include "pipeline/scene.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace deforma {
 
 /// The options with which `run` and `check` say which scene they mean.
@@ -20,8 +16,6 @@ struct SceneOptions {
   std::string size;               ///< WxH
   std::string view;
   int threads = 0;  ///< 0: all
-
-  void add_to(CLI::App& command);
 
   /// @throws UserError as `load_scene`, and for an option that is not of its form.
   Scene load() const;

@@ -236,7 +236,7 @@ struct Context::Data {
 
   bool attempt_all() {
     const auto devices = list_devices();
-    if (devices.empty()) facts.attempts.push_back("device: EGL lists none");
+    if (devices.empty()) facts.attempts.emplace_back("device: EGL lists none");
     for (std::size_t number = 0; number < devices.size(); ++number)
       if (attempt_device(number, devices[number])) return true;
     return attempt_surfaceless() || attempt_default();

@@ -19,6 +19,7 @@ namespace {
 constexpr double stretch_grown = 1.05;
 constexpr double stretch_shrunk = 0.80;
 constexpr double stiffness_changed = 0.05;  // of the sum of logarithms of the moduli
+constexpr double most_substeps = 1e9;       // in one call: a step so small will never get there
 constexpr double exploded = 1e6;            // a deformation gradient this large is no deformation any more
 
 enum Stage { gather_strain, surface_motion, gather_force, integration, step_measurement, stage_count };
@@ -250,6 +251,15 @@ struct Solver::Data {
     }
   }
 
+  [[noreturn]] void refuse_vanishing_step(double step) const {
+    refuse_divergence();
+    throw SimulationDiverged(
+        fmt::format("the simulation cannot go on at t = {:.6g} s: its stable step has fallen to {:.3g} s; "
+                    "something moves or is "
+                    "stiff beyond reason: look at velocities, 'young' and contact 'stiffness'",
+                    state.time, step));
+  }
+
   // The force that answers strain alone, at other displacements than the state's.
   void strain_force(std::span<const Vec3> displacement, std::span<Vec3> answer, std::vector<Mat3>& F) {
     deformation_gradients(state.links, state.fit, displacement, F);
@@ -338,7 +348,7 @@ void Solver::advance(double seconds) {
   double remaining = seconds;
   while (remaining > 0.0) {
     double count = std::max(1.0, std::ceil(remaining / d.stable_step() - 1e-9));
-    if (!std::isfinite(count)) d.refuse_divergence();
+    if (!(count < most_substeps)) d.refuse_vanishing_step(remaining / count);
     double dt = remaining / count;
     d.substep(dt);
     remaining = count > 1.0 ? remaining - dt : 0.0;

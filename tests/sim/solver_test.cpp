@@ -121,6 +121,16 @@ TEST(Solver, StopsWithAMessageWhenTheStateIsNoLongerFinite) {
   }
 }
 
+TEST(Solver, StopsWithAMessageWhenTheStepVanishes) {
+  Solver solver = make_solver(cube(), elastic_requests(1e40));
+  try {
+    solver.advance(1.0);
+    FAIL() << "expected SimulationDiverged";
+  } catch (const SimulationDiverged& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("its stable step has fallen to"));
+  }
+}
+
 TEST(Solver, RefusesSettingsOutOfRange) {
   for (double fraction : {0.0, -1.0, 1.5, std::nan("")})
     EXPECT_THROW(make_solver(cube(), {}, {.step_fraction = fraction}), std::invalid_argument);
