@@ -23,7 +23,7 @@ struct OutputSpec {
 };
 
 struct SolverSpec {
-  std::string integrator = "symplectic_euler";
+  std::string integrator = "velocity_verlet";
   double step_fraction = 0.7;
   double max_step = 0.0;  ///< [s]; 0: none
   std::string kernel = "cubic_spline";

@@ -10,10 +10,14 @@
 
 namespace deforma {
 
+/// Both take one force a substep. Velocity Verlet is second order and keeps energy when the substep changes, as it does at
+/// every impact; symplectic Euler is the paper's (eqs 22-24, with the new velocity in the last).
+/// Both take one force a substep. Velocity Verlet is second order and keeps energy when the substep changes, as it
+/// does at every impact; symplectic Euler is the paper's (eqs 22-24, with the new velocity in the last).
 enum class Integrator { symplectic_euler, velocity_verlet };
 
 struct SolverSettings {
-  Integrator integrator = Integrator::symplectic_euler;
+  Integrator integrator = Integrator::velocity_verlet;
   double step_fraction = 0.7;  ///< of the measured stability limit
   double max_step = 0.0;       ///< upper bound of the substep [s]; 0: none
 };
