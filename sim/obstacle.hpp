@@ -41,8 +41,7 @@ struct MeshShape {
 
 using ObstacleShape = std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape>;
 
-/// Where an obstacle is: `position` of its origin, and `rotation` as a rotation vector (axis times angle)
-/// [rad].
+/// Where an obstacle is: the position of its origin [m], and how its frame is turned.
 struct Pose {
   Vec3 position = Vec3::Zero();
   Mat3 rotation = Mat3::Identity();

@@ -15,6 +15,14 @@ double thickness_of(const ObstacleShape& shape) {
     return std::min(2.0 * cylinder->radius, cylinder->height);
   if (const auto* sphere = std::get_if<SphereShape>(&shape); sphere && !sphere->inside)
     return 2.0 * sphere->radius;
+  if (const auto* mesh = std::get_if<MeshShape>(&shape)) {
+    Vec3 low = mesh->points.front(), high = low;
+    for (const Vec3& point : mesh->points) {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+    return (high - low).minCoeff();
+  }
   return std::numeric_limits<double>::infinity();
 }
 

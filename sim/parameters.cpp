@@ -29,8 +29,9 @@ std::string_view type_name(const SettingValue& value) {
 }
 
 void check_numbers(const Setting& setting, const Curve<double>& curve) {
+  const bool may_be_infinite = std::isinf(std::get<Curve<double>>(setting.fallback).at(0.0));
   for (const auto& [time, number] : curve.keys())
-    if (!setting.allowed.contains(number))
+    if (!setting.allowed.contains(number) || (std::isinf(number) && !may_be_infinite))
       throw std::invalid_argument(fmt::format("{}: {} is outside {}{}", setting.key, number,
                                               setting.allowed.text(),
                                               setting.unit == "-" ? "" : fmt::format(" {}", setting.unit)));

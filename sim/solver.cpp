@@ -15,12 +15,8 @@ namespace deforma {
 
 namespace {
 
-// A stretch that changed by so much since the stiffness was measured calls for a new measurement.
-constexpr double stretch_grown = 1.05;
-constexpr double stretch_shrunk = 0.80;
-constexpr double stiffness_changed = 0.05;  // of the sum of logarithms of the moduli
-constexpr double most_substeps = 1e9;       // in one call: a step so small will never get there
-constexpr double exploded = 1e6;            // a deformation gradient this large is no deformation any more
+constexpr double most_substeps = 1e9;  // in one call: a step so small will never get there
+constexpr double exploded = 1e6;       // a deformation gradient this large is no deformation any more
 
 enum Stage { gather_strain, surface_motion, gather_force, integration, step_measurement, stage_count };
 constexpr const char* stage_names[stage_count] = {"deformation gradient", "surface", "force gather",
@@ -31,29 +27,32 @@ class Timer {
   explicit Timer(SolverStatistics::Pass& pass) : pass_(pass), start_(std::chrono::steady_clock::now()) {}
   ~Timer() {
     pass_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    ++pass_.calls;
+    pass_.calls += counted_;
   }
+  void discount() { counted_ = 0; }  // what was timed did nothing
   Timer(const Timer&) = delete;
   Timer& operator=(const Timer&) = delete;
 
  private:
   SolverStatistics::Pass& pass_;
+  std::uint64_t counted_ = 1;
   std::chrono::steady_clock::time_point start_;
 };
 
-// The largest Frobenius norm of F; infinity when an entry is not finite.
-double largest_stretch(std::span<const Mat3> F) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, F.size(), 4096), 0.0,
+// The largest Frobenius norm of F among a body's particles; infinity when an entry is not finite.
+double largest_stretch(std::span<const Mat3> F, Range particles) {
+  double squared = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(particles.begin, particles.end, 4096), 0.0,
       [&](const tbb::blocked_range<std::size_t>& block, double largest) {
         for (std::size_t i = block.begin(); i != block.end(); ++i) {
-          double squared = F[i].squaredNorm();
-          if (!(squared < exploded * exploded)) return std::numeric_limits<double>::infinity();
-          largest = std::max(largest, squared);
+          double norm = F[i].squaredNorm();
+          if (!(norm < exploded * exploded)) return std::numeric_limits<double>::infinity();
+          largest = std::max(largest, norm);
         }
         return largest;
       },
       [](double a, double b) { return std::max(a, b); });
+  return std::sqrt(squared);
 }
 
 void check(const SolverSettings& settings) {
@@ -74,7 +73,6 @@ struct Solver::Data {
   SolverStatistics statistics;
 
   unsigned needs = 0;
-  bool hourglass = false;  // some effect gives a pair stiffness
   std::vector<Mat3> P, B, F_before;
   std::vector<double> pair_stiffness;
   std::vector<Vec3> force, surface_force;
@@ -84,11 +82,8 @@ struct Solver::Data {
   bool force_known = false;  // velocity Verlet: so does the force
 
   StiffnessProbe probe;
-  bool measured = false;
-  double omega = 0.0;             // measured highest frequency [rad/s]
-  double measured_stretch = 0.0;  // when it was
-  double measured_key = 0.0;
-  double stretch = 0.0;  // now
+  StiffnessProbe::Conditions conditions;  // now
+  double omega = 0.0;                     // measured highest frequency [rad/s]
 
   double smallest_spacing() const {
     double smallest = std::numeric_limits<double>::infinity();
@@ -101,7 +96,8 @@ struct Solver::Data {
     Timer timer(statistics.stages[gather_strain]);
     if (needs & (needs_strain_rate | needs_surface)) std::swap(state.F, F_before);
     deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
-    stretch = largest_stretch(state.F);
+    for (std::size_t b = 0; b < state.bodies.size(); ++b)
+      conditions.stretch[b] = largest_stretch(state.F, state.bodies[b].particles);
     if (!(needs & (needs_strain_rate | needs_surface))) return;
     if (last_step > 0.0) {
       // F is linear in u and u advanced by v dt, so this quotient is the gradient of the velocity.
@@ -118,10 +114,7 @@ struct Solver::Data {
 
   void find_near() {
     bool changed = false;
-    for (std::size_t e = 0; e < effects.size(); ++e) {
-      Timer timer(statistics.effects[e]);
-      changed = effects[e]->near(state) || changed;
-    }
+    run_effects(Effect::at_near, [&](Effect& effect) { changed = effect.near(state) || changed; });
     if (!(needs & needs_surface) || !changed) return;
     std::fill(wanted.begin(), wanted.end(), 0);
     for (const auto& effect : effects) effect->mark(state, wanted);
@@ -165,29 +158,38 @@ struct Solver::Data {
       std::fill(P.begin(), P.end(), Mat3::Zero());
       if (needs & needs_surface) {
         for (Index s : state.surface.active) surface_force[s].setZero();
-        run_effects([&](Effect& effect) { effect.surface_force(state, surface_force); });
+        run_effects(Effect::at_surface_force,
+                    [&](Effect& effect) { effect.surface_force(state, surface_force); });
         Timer timer(statistics.stages[surface_motion]);
         add_surface_force(state.surface, state.particles, surface_force, P, force);
       }
-      run_effects([&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
+      run_effects(Effect::at_stress,
+                  [&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
       Timer timer(statistics.stages[gather_force]);
       carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
                      pair_stiffness, B, force);
       add_internal_force(state.links, state.fit, B, pair_stiffness, state.particles.displacement, force);
     }
-    run_effects([&](Effect& effect) { effect.force(state, force); });
+    run_effects(Effect::at_force, [&](Effect& effect) { effect.force(state, force); });
   }
 
   template <typename Call>
-  void run_effects(const Call& call) {
+  void run_effects(Effect::Stage stage, const Call& call) {
     for (std::size_t e = 0; e < effects.size(); ++e) {
+      if (!effects[e]->takes_part(stage)) continue;
       Timer timer(statistics.effects[e]);
       call(*effects[e]);
+      if (!effects[e]->takes_part(stage)) timer.discount();
     }
+  }
+
+  void prescribe() {
+    run_effects(Effect::at_prescribe, [&](Effect& effect) { effect.prescribe(state); });
   }
 
   void kick(double dt) {
     parallel_for_each(state.size(), [&](std::size_t i) {
+      if (state.fixed[i]) return;
       state.particles.velocity[i] += dt / state.particles.mass[i] * force[i];  // eqs 22, 23
     });
   }
@@ -199,30 +201,32 @@ struct Solver::Data {
     });
   }
 
+  // Leaves everything at the new time, held particles included.
+  void advance_motion(double kick_time, double dt) {
+    {
+      Timer timer(statistics.stages[integration]);
+      kick(kick_time);
+      drift(dt);
+    }
+    state.time += dt;
+    last_step = dt;
+    prescribe();
+  }
+
   void substep(double dt) {
     if (settings.integrator == Integrator::symplectic_euler) {
       refresh();
       refuse_divergence();
       find_force();
-      Timer timer(statistics.stages[integration]);
-      // The velocity stands half a step behind: with a step that changes, the kick spans the halves on both sides, or
-      // every change would pump energy in or out.
-      kick(last_step > 0.0 ? 0.5 * (last_step + dt) : dt);
-      drift(dt);
-      state.time += dt;
-      last_step = dt;
+      // The velocity stands half a step behind: with a step that changes, the kick spans the halves on both
+      // sides, or every change would pump energy in or out.
+      advance_motion(last_step > 0.0 ? 0.5 * (last_step + dt) : dt, dt);
     } else {
       if (!force_known) {
         refresh();
         find_force();
       }
-      {
-        Timer timer(statistics.stages[integration]);
-        kick(0.5 * dt);
-        drift(dt);
-      }
-      state.time += dt;
-      last_step = dt;
+      advance_motion(0.5 * dt, dt);
       refresh();
       refuse_divergence();
       find_force();
@@ -230,14 +234,15 @@ struct Solver::Data {
       Timer timer(statistics.stages[integration]);
       kick(0.5 * dt);
     }
-    run_effects([&](Effect& effect) { effect.finish(state, dt); });
+    run_effects(Effect::at_finish, [&](Effect& effect) { effect.finish(state, dt); });
     ++statistics.substeps;
     statistics.smallest_step = statistics.substeps == 1 ? dt : std::min(statistics.smallest_step, dt);
     statistics.largest_step = std::max(statistics.largest_step, dt);
   }
 
   void refuse_divergence() const {
-    bool finite_strain = std::isfinite(stretch);
+    bool finite_strain = std::all_of(conditions.stretch.begin(), conditions.stretch.end(),
+                                     [](double stretch) { return std::isfinite(stretch); });
     for (std::size_t i = 0; i < state.size(); ++i) {
       bool fine = state.particles.displacement[i].allFinite() && state.particles.velocity[i].allFinite() &&
                   (finite_strain || state.F[i].squaredNorm() < exploded * exploded);
@@ -271,27 +276,17 @@ struct Solver::Data {
     add_internal_force(state.links, state.fit, B, pair_stiffness, displacement, answer);
   }
 
-  double stiffness_key() const {
-    double key = 0.0;
-    for (const auto& effect : effects) key += effect->stiffness_key(state);
-    return key;
-  }
-
   void measure_stiffness() {
     if (!(needs & needs_strain)) return;
-    double key = stiffness_key();
-    bool current = measured && stretch <= stretch_grown * measured_stretch &&
-                   stretch >= stretch_shrunk * measured_stretch &&
-                   std::abs(key - measured_key) < stiffness_changed;
-    if (current) return;
+    std::fill(conditions.key.begin(), conditions.key.end(), 0.0);
+    for (const auto& effect : effects) effect->stiffness_key(state, conditions.key);
+    if (!probe.stale(conditions)) return;
     Timer timer(statistics.stages[step_measurement]);
     std::vector<Mat3> F(state.size());
     omega =
         probe.measure(state.particles.displacement, state.particles.mass, state.fixed, smallest_spacing(),
                       [&](std::span<const Vec3> u, std::span<Vec3> answer) { strain_force(u, answer, F); });
-    measured = true;
-    measured_stretch = stretch;
-    measured_key = key;
+    probe.remember(conditions);
   }
 
   // Limits of springs in parallel on one mass add as the squares of their frequencies.
@@ -319,21 +314,22 @@ Solver::Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const 
   for (const char* name : stage_names) d.statistics.stages.push_back({.name = name});
   for (const auto& effect : d.effects) {
     d.needs |= effect->needs();
-    d.hourglass = d.hourglass || effect->name() == "hourglass";
     d.statistics.effects.push_back({.name = std::string(effect->name())});
   }
-  if (d.needs & (needs_strain_rate | needs_surface)) d.needs |= needs_strain;
+  if (d.needs & (needs_strain_rate | needs_surface | needs_pair_stiffness)) d.needs |= needs_strain;
+  d.conditions.stretch.assign(d.state.bodies.size(), 0.0);
+  d.conditions.key.assign(d.state.bodies.size(), 0.0);
   if (d.needs & needs_strain) {
     d.P.resize(n);
     d.B.resize(n);
-    if (d.hourglass) d.pair_stiffness.assign(n, 0.0);
+    if (d.needs & needs_pair_stiffness) d.pair_stiffness.assign(n, 0.0);
   }
   if (d.needs & (needs_strain_rate | needs_surface)) d.F_before.resize(n);
   if (d.needs & needs_surface) {
     d.surface_force.assign(m, Vec3::Zero());
     d.wanted.resize(m);
   }
-  d.run_effects([&](Effect& effect) { effect.finish(d.state, 0.0); });  // pins hold from the start
+  d.prescribe();  // pins hold from the start
   d.find_initial_rate();
   d.refresh();
 }
@@ -380,12 +376,14 @@ const SolverStatistics& Solver::statistics() const {
   for (std::size_t e = 0; e < d.effects.size(); ++e) d.statistics.effects[e].bytes = d.effects[e]->bytes();
   const State& s = d.state;
   auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  d.statistics.stages[gather_strain].bytes = bytes(s.links.links) + bytes(s.links.start) +
-                                             bytes(s.fit.inverse) + bytes(s.fit.plane) + bytes(s.F) +
-                                             bytes(s.F_rate) + bytes(d.F_before);
+  d.statistics.stages[gather_strain].bytes =
+      bytes(s.links.links) + bytes(s.links.start) + bytes(s.fit.inverse) + bytes(s.fit.plane) +
+      bytes(s.fit.rank) + bytes(s.fit.trace) + bytes(s.fit.pairs) + bytes(s.links.support) +
+      bytes(s.links.length) + bytes(s.F) + bytes(s.F_rate) + bytes(d.F_before);
   d.statistics.stages[surface_motion].bytes = bytes(s.surface.skin.ties) + bytes(s.surface.position) +
-                                              bytes(s.surface.velocity) + bytes(d.surface_force) +
-                                              bytes(d.wanted);
+                                              bytes(s.surface.velocity) + bytes(s.surface.rest) +
+                                              bytes(s.surface.triangles) + bytes(s.surface.skin.start) +
+                                              bytes(d.surface_force) + bytes(d.wanted);
   d.statistics.stages[gather_force].bytes =
       bytes(d.P) + bytes(d.B) + bytes(d.pair_stiffness) + bytes(d.force);
   d.statistics.stages[integration].bytes = bytes(s.particles.rest) + bytes(s.particles.displacement) +

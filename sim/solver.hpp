@@ -37,7 +37,7 @@ struct SolverStatistics {
   std::vector<Pass> stages;   ///< deformation gradient, surface, force gather, integration, step measurement
 };
 
-/// Thrown when a run goes wrong: the state is no longer finite or its energy has exploded.
+/// Thrown when a run goes wrong: the state is no longer finite, is stretched beyond reason, or its step vanishes.
 class SimulationDiverged : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -9,7 +9,11 @@ namespace {
 
 constexpr int most_iterations = 60;
 constexpr int least_iterations = 6;
-constexpr double settled = 2e-3;         // relative change of omega between iterations
+constexpr double settled = 2e-3;  // relative change of omega between iterations
+// A change since the last measurement that calls for a new one.
+constexpr double stretch_grown = 1.05;
+constexpr double stretch_shrunk = 0.80;
+constexpr double key_changed = 0.05;
 constexpr double relative_nudge = 1e-5;  // of the spacing
 
 // The same irregular field each time: every mode has a share in it, so none is missed by symmetry.
@@ -29,10 +33,29 @@ std::vector<Vec3> irregular_field(std::size_t n) {
 
 }  // namespace
 
+bool StiffnessProbe::stale(const Conditions& now) const {
+  if (then_.stretch.size() != now.stretch.size()) return true;
+  for (std::size_t b = 0; b < now.stretch.size(); ++b)
+    if (now.stretch[b] > stretch_grown * then_.stretch[b] ||
+        now.stretch[b] < stretch_shrunk * then_.stretch[b] ||
+        std::abs(now.key[b] - then_.key[b]) >= key_changed)
+      return true;
+  return false;
+}
+
 double StiffnessProbe::measure(std::span<const Vec3> displacement, std::span<const double> mass,
                                std::span<const std::uint8_t> fixed, double scale, const Force& force) {
   std::size_t n = displacement.size();
-  if (mode_.size() != n) mode_ = irregular_field(n);
+  // Bodies do not couple, so what the mode holds of the softer ones dies out; each time a little of everything is put
+  // back, or one that has since become the stiffest would never be seen.
+  std::vector<Vec3> fresh = irregular_field(n);
+  if (mode_.size() != n) {
+    mode_ = std::move(fresh);
+  } else {
+    double largest = 0.0;
+    for (const Vec3& v : mode_) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+    for (std::size_t i = 0; i < n; ++i) mode_[i] += 0.1 * largest * fresh[i];
+  }
   std::vector<Vec3> base(n), nudged(n), answer(n);
   force(displacement, base);
   double omega = 0.0;

@@ -26,7 +26,17 @@ class StiffnessProbe {
   double measure(std::span<const Vec3> displacement, std::span<const double> mass,
                  std::span<const std::uint8_t> fixed, double scale, const Force& force);
 
+  /// What a measurement holds for, per body: its largest stretch (of F, Frobenius) and the effects' stiffness keys.
+  struct Conditions {
+    std::vector<double> stretch, key;
+  };
+
+  /// Whether the last measurement, made under other conditions, no longer holds.
+  bool stale(const Conditions& now) const;
+  void remember(const Conditions& now) { then_ = now; }
+
  private:
+  Conditions then_;
   std::vector<Vec3> mode_;
 };
 

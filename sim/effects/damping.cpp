@@ -63,7 +63,8 @@ class Damping : public Effect {
       double rate = body.rate.at(state.time);
       if (!(rate > 0.0)) continue;
       double kept = 1.0 / (1.0 + rate * dt);
-      for (Index i = body.particles.begin; i < body.particles.end; ++i) state.particles.velocity[i] *= kept;
+      for (Index i = body.particles.begin; i < body.particles.end; ++i)
+        if (!state.fixed[i]) state.particles.velocity[i] *= kept;
     }
   }
 

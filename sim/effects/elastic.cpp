@@ -83,10 +83,9 @@ class Elastic : public Effect {
     return sum;
   }
 
-  double stiffness_key(const State&) const override {
-    double key = 0.0;
-    for (const Solid& solid : solids_) key += std::log(solid.lame.p_wave_modulus());
-    return key;
+  void stiffness_key(const State& state, std::span<double> per_body) const override {
+    for (const Solid& solid : solids_)
+      per_body[state.particles.body[solid.particles.begin]] += std::log(solid.lame.p_wave_modulus());
   }
 
   std::size_t bytes() const override { return solids_.size() * sizeof(Solid); }

@@ -16,8 +16,7 @@ const Setting settings[] = {
      .unit = "-",
      .meaning = "zeta: share of Young's modulus that acts against unseen modes",
      .fallback = Curve<double>(1.0),
-     .allowed = Interval::positive(),
-     .keyframed = false},
+     .allowed = Interval::positive()},
 };
 
 class Hourglass : public Effect {
@@ -28,18 +27,18 @@ class Hourglass : public Effect {
       if (!(body.young.at(state.time) > 0.0))
         throw std::invalid_argument(fmt::format(
             "hourglass: body '{}' has no elastic table, whose Young's modulus it scales with", body.name));
-      controlled_.push_back({table.body, table.parameters.number("stiffness").at(state.time)});
+      controlled_.push_back({table.body, table.parameters.number("stiffness")});
     }
   }
 
   std::string_view name() const override { return "hourglass"; }
-  unsigned needs() const override { return needs_strain; }
+  unsigned needs() const override { return needs_strain | needs_pair_stiffness; }
 
   void stress(const State& state, std::span<const Mat3>, std::span<Mat3>,
               std::span<double> pair_stiffness) override {
     for (const Controlled& body : controlled_) {
       Range particles = state.bodies[body.index].particles;
-      double modulus = body.zeta * state.bodies[body.index].young.at(state.time);
+      double modulus = body.zeta.at(state.time) * state.bodies[body.index].young.at(state.time);
       parallel_for_each(particles.size(), [&](std::size_t local) {
         std::size_t i = particles.begin + local;
         pair_stiffness[i] = per_particle(state, i, modulus);
@@ -52,7 +51,7 @@ class Hourglass : public Effect {
     const Neighborhood& links = state.links;
     for (const Controlled& body : controlled_) {
       Range particles = state.bodies[body.index].particles;
-      double modulus = body.zeta * state.bodies[body.index].young.at(state.time);
+      double modulus = body.zeta.at(state.time) * state.bodies[body.index].young.at(state.time);
       for (Index i = particles.begin; i < particles.end; ++i) {
         Mat3 gradient = state.F[i] - state.fit.plane[i];
         double residual = 0.0;
@@ -71,12 +70,16 @@ class Hourglass : public Effect {
     return sum;
   }
 
+  void stiffness_key(const State& state, std::span<double> per_body) const override {
+    for (const Controlled& body : controlled_) per_body[body.index] += std::log(body.zeta.at(state.time));
+  }
+
   std::size_t bytes() const override { return controlled_.size() * sizeof(Controlled); }
 
  private:
   struct Controlled {
     Index index;
-    double zeta;
+    Curve<double> zeta;
   };
 
   // s_i with c_ij = s_i W_ij; the links' weights and tr A are dimensionless, hence l^2.

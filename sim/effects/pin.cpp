@@ -80,7 +80,7 @@ class Pin : public Effect {
 
   std::string_view name() const override { return "pin"; }
 
-  void finish(State& state, double) override {
+  void prescribe(State& state) override {
     for (Grip& grip : grips_) {
       if (!grip.holds || state.time < grip.release) continue;
       grip.holds = false;
@@ -91,6 +91,12 @@ class Pin : public Effect {
       for (Index i : grip.particles) state.fixed[i] = 1;
       grip.place(state);
     }
+  }
+
+  // What is let go takes part in the stiffness again.
+  void stiffness_key(const State& state, std::span<double> per_body) const override {
+    for (const Grip& grip : grips_)
+      per_body[state.particles.body[grip.particles.front()]] += grip.holds ? 1.0 : 0.0;
   }
 
   std::size_t bytes() const override {

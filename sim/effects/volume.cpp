@@ -52,10 +52,9 @@ class Volume : public Effect {
     return sum;
   }
 
-  double stiffness_key(const State& state) const override {
-    double key = 0.0;
-    for (const Kept& body : kept_) key += std::log(body.stiffness.at(state.time));
-    return key;
+  void stiffness_key(const State& state, std::span<double> per_body) const override {
+    for (const Kept& body : kept_)
+      per_body[state.particles.body[body.particles.begin]] += std::log(body.stiffness.at(state.time));
   }
 
   std::size_t bytes() const override { return kept_.size() * sizeof(Kept); }

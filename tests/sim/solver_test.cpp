@@ -99,6 +99,61 @@ TEST(Solver, MeasuresAgainWhenAPropertyJumps) {
   EXPECT_NEAR(solver.stable_step(), soft / 10.0, 0.02 * soft);
 }
 
+TEST(Solver, APinnedBarSagsTheSameWhateverTheStep) {
+  std::vector<double> sag;
+  for (double step : {4e-4, 1e-4}) {
+    State state = lattice_box(Vec3(0.4, 0.2, 0.2), 4, 2, 2, 1000.0);
+    auto requests = elastic_requests(1e5, 0.0);
+    requests.push_back({"gravity", {0, given("gravity", {{"acceleration", Curve<Vec3>(Vec3(9.81, 0, 0))}})}});
+    requests.push_back({"damping", {0, given("damping", {{"rate", Curve<double>(30.0)}})}});
+    Region end;
+    end.max.x() = 0.1;
+    requests.push_back({"pin", {0, given("pin", {{"region", end}})}});
+    Solver solver = make_solver(std::move(state), requests, {.max_step = step});
+    solver.advance(3.0);
+    sag.push_back(solver.state().particles.displacement.back().x());
+  }
+  EXPECT_GT(sag[0], 1e-4);
+  EXPECT_NEAR(sag[0], sag[1], 1e-6 * sag[0]);
+}
+
+TEST(Solver, MeasuresAgainWhenAPinLetsGo) {
+  auto requests = elastic_requests();
+  requests.push_back({"pin", {0, given("pin", {{"release", Curve<double>(0.1)}})}});
+  Solver held = make_solver(cube(), requests);
+  Solver loose = make_solver(cube(), elastic_requests());
+  EXPECT_GT(held.stable_step(), 1.0);
+  held.advance(0.2);
+  EXPECT_NEAR(held.stable_step(), loose.stable_step(), 0.02 * loose.stable_step());
+}
+
+TEST(Solver, SeesAnotherBodyBecomeTheStiffest) {
+  State state = lattice_particles(Vec3::Constant(0.4), 4, 4, 4, 1000.0);
+  append_body(state, lattice_particles(Vec3::Constant(0.4), 4, 4, 4, 1000.0), Vec3(1, 0, 0));
+  prepare_state(state, {});
+  // One softens as much as the other stiffens: the sum of what changes does not.
+  std::vector<Curve<double>::Key> down = {{0.0, 1e6}, {1.0, 1e4}}, up = {{0.0, 1e4}, {1.0, 1e6}};
+  std::vector<EffectRequest> requests = {{"elastic", {0, given("elastic", {{"young", Curve<double>(down)}})}},
+                                         {"elastic", {1, given("elastic", {{"young", Curve<double>(up)}})}},
+                                         {"hourglass", {0, given("hourglass")}},
+                                         {"hourglass", {1, given("hourglass")}}};
+  Solver solver = make_solver(std::move(state), requests);
+  double start = solver.stable_step();
+  solver.advance(1.0);
+  EXPECT_NEAR(solver.stable_step(), start, 0.04 * start);
+}
+
+TEST(Solver, CountsOnlyTheStagesThatAnEffectTakesPartIn) {
+  auto requests = elastic_requests();
+  requests.push_back({"gravity", {0, given("gravity")}});
+  Solver solver = make_solver(cube(), requests);
+  solver.advance(0.1);
+  const auto& statistics = solver.statistics();
+  EXPECT_EQ(statistics.effects[2].name, "gravity");
+  EXPECT_EQ(statistics.effects[2].calls,
+            statistics.substeps + 1);  // one force a substep, and one to begin with
+}
+
 TEST(Solver, ReportsOnlyTheEffectsThatItHas) {
   Solver solver = make_solver(cube(), elastic_requests());
   solver.advance(0.01);
