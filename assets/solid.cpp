@@ -33,7 +33,7 @@ bool is_closed(const Mesh& mesh) {
 /// The side of the edge a-b on which (x, y) lies seen from above: +1 left, -1 right, 0 for an edge seen as a point.
 /// Computed from the lower-numbered end, so that both triangles at an edge agree to the last bit; a point exactly on
 /// the edge is taken as moved by (e, e^2) for an infinitely small e.
-int side_of(const TriangleTree::Triangle& t, int from, int to, double x, double y) {
+int side_of(const MeshTree::Triangle& t, int from, int to, double x, double y) {
   bool swapped = t.point[from] > t.point[to];
   const Vector3d& a = t.corner[swapped ? to : from];
   const Vector3d& b = t.corner[swapped ? from : to];
@@ -113,7 +113,7 @@ bool Solid::cross_column(double x, double y, std::vector<Crossing>& crossings) c
         const Eigen::AlignedBox3d& box = tree_.nodes()[n].box;
         return x >= box.min().x() && x <= box.max().x() && y >= box.min().y() && y <= box.max().y();
       },
-      [&](const TriangleTree::Triangle& t) {
+      [&](const MeshTree::Triangle& t) {
         int side = side_of(t, 0, 1, x, y);
         if (side != 0 && side == side_of(t, 1, 2, x, y) && side == side_of(t, 2, 0, x, y))
           crossings.push_back({height_at(t.corner, x, y), -side});  // seen from above: going up leaves

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "assets/mesh.hpp"
-#include "assets/triangle_tree.hpp"
+#include "assets/mesh_tree.hpp"
 #include "assets/winding_number.hpp"
 
 namespace deforma {
@@ -51,7 +51,7 @@ class Solid {
   double count_volume(bool& irregular) const;
 
   MeshFacts facts_;
-  TriangleTree tree_;
+  MeshTree tree_;
   WindingNumber winding_;
   bool closed_ = false;
   double volume_ = 0.0;

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "assets/sample.hpp"
-#include "assets/triangle_tree.hpp"
+#include "assets/mesh_tree.hpp"
 
 namespace deforma {
 
@@ -14,14 +14,14 @@ constexpr double end_tolerance = 1e-6;  // of the way: a surface vertex lies on 
 
 /// The side of the line from `a` along `way` on which the edge passes. Computed from its lower-numbered end, so that
 /// both triangles at an edge agree to the last bit and no line slips between them.
-double side_of(const TriangleTree::Triangle& t, int from, int to, const Vector3d& a, const Vector3d& way) {
+double side_of(const MeshTree::Triangle& t, int from, int to, const Vector3d& a, const Vector3d& way) {
   bool swapped = t.point[from] > t.point[to];
   Vector3d p = t.corner[swapped ? to : from] - a, q = t.corner[swapped ? from : to] - a;
   double side = way.dot(p.cross(q));
   return swapped ? -side : side;
 }
 
-bool crosses(const TriangleTree::Triangle& t, const Vector3d& a, const Vector3d& b) {
+bool crosses(const MeshTree::Triangle& t, const Vector3d& a, const Vector3d& b) {
   Vector3d normal = (t.corner[1] - t.corner[0]).cross(t.corner[2] - t.corner[0]);
   double from_a = normal.dot(a - t.corner[0]), from_b = normal.dot(b - t.corner[0]);
   if ((from_a > 0.0) == (from_b > 0.0) && from_a != 0.0 && from_b != 0.0) return false;
@@ -53,10 +53,10 @@ bool touches(const Eigen::AlignedBox3d& box, const Vector3d& a, const Vector3d& 
 }  // namespace
 
 struct Visibility::Data {
-  TriangleTree tree;
+  MeshTree tree;
 };
 
-Visibility::Visibility(const Mesh& mesh) : data_(new Data{TriangleTree(mesh)}) {}
+Visibility::Visibility(const Mesh& mesh) : data_(new Data{MeshTree(mesh)}) {}
 Visibility::~Visibility() = default;
 Visibility::Visibility(Visibility&&) noexcept = default;
 Visibility& Visibility::operator=(Visibility&&) noexcept = default;
@@ -68,7 +68,7 @@ bool Visibility::sees(const Vector3d& from, const Vector3d& to) const {
   Vector3d inverse = (b - a).cwiseInverse();
   bool clear = true;
   data_->tree.walk([&](std::uint32_t n) { return touches(data_->tree.nodes()[n].box, a, b, inverse); },
-                   [&](const TriangleTree::Triangle& t) {
+                   [&](const MeshTree::Triangle& t) {
                      clear = !crosses(t, a, b);
                      return clear;
                    });

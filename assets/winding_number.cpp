@@ -21,9 +21,9 @@ double solid_angle(const Vector3d& from, const std::array<Vector3d, 3>& corner) 
 
 }  // namespace
 
-WindingNumber::WindingNumber(const TriangleTree& tree) : tree_(tree), dipoles_(tree.nodes().size()) {
+WindingNumber::WindingNumber(const MeshTree& tree) : tree_(tree), dipoles_(tree.nodes().size()) {
   for (std::size_t n = 0; n < dipoles_.size(); ++n) {
-    const TriangleTree::Node& node = tree.nodes()[n];
+    const MeshTree::Node& node = tree.nodes()[n];
     Dipole& dipole = dipoles_[n];
     double total = 0.0;
     auto each = [&](const auto& add) {
@@ -60,7 +60,7 @@ double WindingNumber::at(const Vector3d& point) const {
                3.0 * away.dot(dipole.moment * away) / (cube * square);
         return false;
       },
-      [&](const TriangleTree::Triangle& triangle) {
+      [&](const MeshTree::Triangle& triangle) {
         sum += solid_angle(point, triangle.corner);
         return true;
       });

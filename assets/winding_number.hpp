@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "assets/triangle_tree.hpp"
+#include "assets/mesh_tree.hpp"
 
 namespace deforma {
 
@@ -16,7 +16,7 @@ namespace deforma {
 class WindingNumber {
  public:
   /// @param tree must outlive this
-  explicit WindingNumber(const TriangleTree& tree);
+  explicit WindingNumber(const MeshTree& tree);
 
   double at(const Eigen::Vector3d& point) const;
 
@@ -28,7 +28,7 @@ class WindingNumber {
     double radius = 0.0;                               ///< around the middle, holds every corner [m]
   };
 
-  const TriangleTree& tree_;
+  const MeshTree& tree_;
   std::vector<Dipole> dipoles_;
 };
 

@@ -16,7 +16,7 @@ const Setting settings[] = {
      .allowed = Interval::non_negative()},
     {.key = "viscosity",
      .unit = "Pa s",
-     .meaning = "resists the rate of deformation only",
+     .meaning = "resists the rate of deformation only: stress over rate of Green strain",
      .fallback = Curve<double>(0.0),
      .allowed = Interval::non_negative()},
 };

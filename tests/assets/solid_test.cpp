@@ -24,7 +24,7 @@ std::vector<Vector3d> random_points(std::size_t count, double reach) {
 }
 
 TEST(WindingNumber, IsOneInsideAndZeroOutsideAClosedMesh) {
-  TriangleTree tree(make_torus(1, 0.4, 64, 32));
+  MeshTree tree(make_torus(1, 0.4, 64, 32));
   WindingNumber winding(tree);
   for (const Vector3d& p : random_points(4000, 1.6)) {
     double tube = std::hypot(std::hypot(p.x(), p.y()) - 1.0, p.z());
@@ -38,15 +38,15 @@ TEST(WindingNumber, BlendsAcrossAHole) {
   std::erase_if(box.triangles, [&](const auto& t) {
     return std::all_of(t.begin(), t.end(), [&](auto i) { return box.points[i].z() > 0.499; });
   });
-  TriangleTree tree(box);
+  MeshTree tree(box);
   WindingNumber winding(tree);
   EXPECT_NEAR(winding.at({0, 0, 0}), 5.0 / 6.0, 0.01);
   EXPECT_NEAR(winding.at({0, 0, 0.5}), 0.5,
               0.01);  // in the plane of the hole the box fills the lower half of sight
 }
 
-TEST(TriangleTree, DistanceIsThatOfTheNearestTriangle) {
-  TriangleTree tree(make_box({2, 2, 2}, 7));
+TEST(MeshTree, DistanceIsThatOfTheNearestTriangle) {
+  MeshTree tree(make_box({2, 2, 2}, 7));
   for (const Vector3d& p : random_points(500, 2.0)) {
     Vector3d beyond = (p.cwiseAbs().array() - 1.0).matrix();
     double expected = beyond.maxCoeff() > 0.0 ? beyond.cwiseMax(0.0).norm() : -beyond.maxCoeff();
@@ -60,7 +60,7 @@ TEST(Solid, ColumnsAgreeWithWindingNumbers) {
        {make_torus(1, 0.4, 24, 12), merged(make_sphere(1, 6), flipped(make_sphere(0.5, 6))),
         merged(make_sphere(1, 6), moved(make_sphere(1, 6), {0.5, 0, 0}))}) {
     Solid solid(mesh);
-    TriangleTree tree(mesh);
+    MeshTree tree(mesh);
     WindingNumber winding(tree);
     std::vector<char> inside(60);
     for (const Vector3d& p : random_points(60, 1.5)) {

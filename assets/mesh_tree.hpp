@@ -11,7 +11,7 @@ namespace deforma {
 
 /// The triangles of a mesh in a binary tree of boxes, halved at the median: the same for the same mesh every time.
 /// Safe to query from several threads.
-class TriangleTree {
+class MeshTree {
  public:
   struct Node {
     Eigen::AlignedBox3d box;
@@ -25,7 +25,7 @@ class TriangleTree {
   };
 
   /// @throws std::invalid_argument for a triangle that names a missing point, or a point that is not finite.
-  explicit TriangleTree(const Mesh& mesh);
+  explicit MeshTree(const Mesh& mesh);
 
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }

@@ -1,4 +1,4 @@
-#include "assets/triangle_tree.hpp"
+#include "assets/mesh_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,13 +37,13 @@ double squared_distance_to_triangle(const Vector3d& p, const std::array<Vector3d
                    squared_distance_to_segment(p, corner[2], corner[0])});
 }
 
-Vector3d middle_of(const TriangleTree::Triangle& t) {
+Vector3d middle_of(const MeshTree::Triangle& t) {
   return (t.corner[0] + t.corner[1] + t.corner[2]) / 3.0;
 }
 
 }  // namespace
 
-TriangleTree::TriangleTree(const Mesh& mesh) {
+MeshTree::MeshTree(const Mesh& mesh) {
   check_indices(mesh);
   triangles_.reserve(mesh.triangles.size());
   for (const auto& t : mesh.triangles)
@@ -52,7 +52,7 @@ TriangleTree::TriangleTree(const Mesh& mesh) {
   if (!triangles_.empty()) build(0, static_cast<std::uint32_t>(triangles_.size()));
 }
 
-std::uint32_t TriangleTree::build(std::uint32_t first, std::uint32_t count) {
+std::uint32_t MeshTree::build(std::uint32_t first, std::uint32_t count) {
   auto self = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
   Eigen::AlignedBox3d box, middles;
@@ -77,7 +77,7 @@ std::uint32_t TriangleTree::build(std::uint32_t first, std::uint32_t count) {
   return self;
 }
 
-double TriangleTree::distance(const Vector3d& from, double limit) const {
+double MeshTree::distance(const Vector3d& from, double limit) const {
   if (nodes_.empty()) return limit;
   double best = limit * limit;
   std::array<std::pair<double, std::uint32_t>, 64> waiting;
