@@ -24,6 +24,7 @@ std::string text_of(const Region&) { return "everywhere"; }
 
 std::string default_of(const Setting& setting) {
   if (setting.required) return "required";
+  if (setting.derived) return "computed";
   return std::visit([](const auto& value) { return text_of(value); }, setting.fallback);
 }
 

@@ -3,7 +3,6 @@
 #include <toml++/toml.h>
 
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,8 +37,6 @@ Curve<Vec3> read_vector_curve(const toml::node& node, std::string_view path);
 /// description of a table serves both ways.
 class TableReader {
  public:
-  static constexpr bool reads = true;
-
   /// @param path what messages call this table, such as "body.elastic"; empty for the whole scene
   TableReader(const toml::table& table, std::string path) : table_(table), path_(std::move(path)) {}
 

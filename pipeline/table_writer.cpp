@@ -44,8 +44,10 @@ void TableWriter::put(std::string_view key, const Curve<Vec3>& value) { insert(t
 
 toml::table to_table(const Parameters& parameters) {
   toml::table table;
-  for (const Setting& setting : parameters.settings())
+  for (const Setting& setting : parameters.settings()) {
+    if (setting.derived && !parameters.given(setting.key)) continue;
     std::visit([&](const auto& value) { insert(table, setting.key, value); }, parameters.value(setting.key));
+  }
   return table;
 }
 

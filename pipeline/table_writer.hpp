@@ -16,8 +16,6 @@ namespace deforma {
 /// Writes one table through the description that reads it: every value with its default filled in.
 class TableWriter {
  public:
-  static constexpr bool reads = false;
-
   template <typename T, typename... Limits>
   void value(std::string_view key, const T& value, const Limits&...) {
     put(key, value);
@@ -57,7 +55,8 @@ class TableWriter {
 
 toml::array to_array(const Vec3& vector);
 
-/// Every key of the settings, those not given with their defaults.
+/// Every key of the settings, those not given with their defaults; a default that is computed stays unwritten,
+/// for written it would count as given.
 toml::table to_table(const Parameters& parameters);
 
 }  // namespace deforma

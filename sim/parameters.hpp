@@ -47,6 +47,8 @@ struct Setting {
   Interval allowed = {};     ///< for numbers
   std::vector<std::string_view> choices = {};  ///< for text
   bool keyframed = true;                       ///< numbers and vectors: may it be a list of [time, value]?
+  bool derived =
+      false;  ///< the default is computed from the rest of the scene; the fallback only gives the type
 };
 
 /// The values given to one effect of one body: every key of its settings, defaults filled in.
