@@ -2,11 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "pipeline/build_body.hpp"
 #include "pipeline/overlap.hpp"
@@ -17,8 +14,6 @@
 namespace deforma {
 
 namespace {
-
-constexpr double radians_per_degree = std::numbers::pi / 180.0;
 
 Curve<Vec3> in_radians(const Curve<Vec3>& degrees) {
   std::vector<Curve<Vec3>::Key> keys = degrees.keys();
@@ -55,23 +50,16 @@ std::vector<const SceneEffect*> tables_of(const Scene& scene, const SceneBody& b
 }
 
 std::vector<std::unique_ptr<Effect>> make_effects(const Scene& scene, State& state) {
-  std::vector<std::unique_ptr<Effect>> effects;
-  for (const EffectInfo& info : effect_registry()) {
-    std::vector<EffectTable> tables;
-    std::string where;
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-      for (const SceneEffect* effect : tables_of(scene, scene.bodies[b], info)) {
-        tables.push_back({static_cast<Index>(b), effect->parameters});
-        if (where.empty()) where = effect->where;
-      }
-    if (tables.empty()) continue;
-    try {
-      effects.push_back(info.make(state, tables));
-    } catch (const std::invalid_argument& error) {
-      throw UserError(fmt::format("{}: {}", where, error.what()));
-    }
+  std::vector<EffectRequest> requests;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    for (const EffectInfo& info : effect_registry())
+      for (const SceneEffect* effect : tables_of(scene, scene.bodies[b], info))
+        requests.push_back({info.name, {static_cast<Index>(b), effect->parameters, effect->where}});
+  try {
+    return make_effects(state, requests);
+  } catch (const std::invalid_argument& error) {
+    throw UserError(error.what());
   }
-  return effects;
 }
 
 void warn_of_missing_contact(const Scene& scene, const State& state, std::vector<std::string>& warnings) {
@@ -105,12 +93,6 @@ SolverSettings solver_settings(const SolverSpec& spec) {
 
 }  // namespace
 
-Mat3 rotation_from_degrees(const Vec3& degrees) {
-  double angle = degrees.norm();
-  if (angle == 0.0) return Mat3::Identity();
-  return Eigen::AngleAxisd(angle * radians_per_degree, degrees / angle).toRotationMatrix();
-}
-
 World build(const Scene& scene) {
   World world;
   State state;
@@ -121,9 +103,10 @@ World build(const Scene& scene) {
   }
   state.obstacles = make_obstacles(scene);
 
-  auto sight = std::make_shared<const Sight>(state, meshes);
+  auto sight = std::make_shared<const Sight>(meshes);
   LinkFilter filter;
-  if (sight->needed()) filter = [sight](const Vec3& a, const Vec3& b) { return (*sight)(a, b); };
+  if (sight->needed())
+    filter = [sight](Index body, const Vec3& a, const Vec3& b) { return (*sight)(body, a, b); };
   const SolverSpec& spec = scene.solver;
   prepare_state(state, {kernel_from_name(spec.kernel), spec.neighbors.value(), spec.support.value()}, filter,
                 filter, gradient_from_name(spec.gradient));

@@ -33,7 +33,4 @@ struct World {
 /// @throws UserError with the place in the scene and what is wrong.
 World build(const Scene& scene);
 
-/// A rotation vector (axis times angle) in degrees as a matrix.
-Mat3 rotation_from_degrees(const Vec3& degrees);
-
 }  // namespace deforma

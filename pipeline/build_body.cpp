@@ -7,8 +7,8 @@
 
 #include "assets/import.hpp"
 #include "assets/sample.hpp"
-#include "pipeline/build.hpp"
 #include "pipeline/user_error.hpp"
+#include "sim/rotation.hpp"
 
 namespace deforma {
 
@@ -53,7 +53,7 @@ Sampling sample(const SceneBody& body, const Mesh& mesh, std::vector<std::string
 
 Mesh make_body_mesh(const SceneBody& body, std::vector<std::string>& warnings) {
   Mesh mesh = read_or_make(body, warnings);
-  transform(mesh, rotation_from_degrees(body.rotation), body.scale, body.position);
+  transform(mesh, rotation_matrix(radians_per_degree * body.rotation), body.scale, body.position);
   if (inspect(mesh).volume < 0.0) {
     warnings.push_back(fmt::format("{}: the mesh is inside-out; its triangles are turned round", body.name));
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);

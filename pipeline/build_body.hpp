@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "sim/state.hpp"
 
 namespace deforma {
+
+/// Scenes turn in degrees.
+inline constexpr double radians_per_degree = std::numbers::pi / 180.0;
 
 /// The surface of a body where the scene puts it [m], as fine as the scene asks, outside out.
 /// @throws UserError with the place in the scene, when the mesh cannot be read or the shape not be made.

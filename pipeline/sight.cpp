@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <functional>
 #include <map>
 
 namespace deforma {
@@ -13,10 +12,10 @@ bool is_convex(const Mesh& mesh) {
   // A sphere and no torus: Euler's characteristic. Then locally convex everywhere is convex.
   if (2 * mesh.points.size() != mesh.triangles.size() + 4) return false;
   std::map<std::pair<Index, Index>, Index> opposite;
-  for (const Triangle& t : mesh.triangles)
+  for (const auto& t : mesh.triangles)
     for (int c = 0; c < 3; ++c) opposite[{t[c], t[(c + 1) % 3]}] = t[(c + 2) % 3];
   double tolerance = 1e-9 * (facts.max - facts.min).norm();
-  for (const Triangle& t : mesh.triangles) {
+  for (const auto& t : mesh.triangles) {
     const Vec3& a = mesh.points[t[0]];
     Vec3 normal = (mesh.points[t[1]] - a).cross(mesh.points[t[2]] - a).normalized();
     for (int c = 0; c < 3; ++c) {
@@ -27,30 +26,21 @@ bool is_convex(const Mesh& mesh) {
   return true;
 }
 
-std::size_t Sight::Hash::operator()(const Vec3& point) const {
-  std::size_t hash = 0;
-  for (int c = 0; c < 3; ++c) hash = hash * 1000003 + std::hash<double>()(point[c]);
-  return hash;
-}
-
-Sight::Sight(const State& state, std::span<const Mesh> meshes) {
+Sight::Sight(std::span<const Mesh> meshes) {
   for (const Mesh& mesh : meshes) {
     if (is_convex(mesh))
       visibility_.emplace_back(std::nullopt);
     else
       visibility_.emplace_back(Visibility(mesh));
   }
-  if (!needed()) return;
-  for (std::size_t i = 0; i < state.particles.size(); ++i)
-    body_.emplace(state.particles.rest[i], state.particles.body[i]);
 }
 
 bool Sight::needed() const {
   return std::any_of(visibility_.begin(), visibility_.end(), [](const auto& v) { return v.has_value(); });
 }
 
-bool Sight::operator()(const Vec3& a, const Vec3& b) const {
-  const std::optional<Visibility>& visibility = visibility_[body_.at(b)];
+bool Sight::operator()(Index body, const Vec3& a, const Vec3& b) const {
+  const std::optional<Visibility>& visibility = visibility_[body];
   return !visibility || visibility->sees(a, b);
 }
 

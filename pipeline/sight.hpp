@@ -2,12 +2,11 @@
 
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "assets/mesh.hpp"
 #include "assets/sample.hpp"
-#include "sim/state.hpp"
+#include "sim/types.hpp"
 
 namespace deforma {
 
@@ -15,21 +14,17 @@ namespace deforma {
 /// joins across a gap or between separate pieces. Convex bodies need no answer and cost none.
 class Sight {
  public:
-  /// @param meshes one per body of the state
-  Sight(const State& state, std::span<const Mesh> meshes);
+  /// @param meshes one per body
+  explicit Sight(std::span<const Mesh> meshes);
 
   /// Whether any body needs to be asked.
   bool needed() const;
 
-  /// @param a any point, @param b exactly the rest position of a particle [m]
-  bool operator()(const Vec3& a, const Vec3& b) const;
+  /// @param a, b points in the body's rest shape [m]
+  bool operator()(Index body, const Vec3& a, const Vec3& b) const;
 
  private:
-  struct Hash {
-    std::size_t operator()(const Vec3& point) const;
-  };
   std::vector<std::optional<Visibility>> visibility_;  ///< per body, empty where convex
-  std::unordered_map<Vec3, Index, Hash> body_;         ///< of each particle, by its rest position
 };
 
 /// Whether a mesh is one closed piece that bends outwards at every edge.

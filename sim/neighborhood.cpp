@@ -39,12 +39,12 @@ void find_supports(const PointTree& tree, const Body& body, std::span<const Vec3
   });
 }
 
-std::vector<Link> find_row(const PointTree& tree, const Body& body, std::span<const Vec3> rest, Index i,
-                           double widest, double length, std::span<const double> support, Kernel kernel,
-                           const LinkFilter& allowed) {
+std::vector<Link> find_row(const PointTree& tree, std::span<const Body> bodies, Index body,
+                           std::span<const Vec3> rest, Index i, double widest, double length,
+                           std::span<const double> support, Kernel kernel, const LinkFilter& allowed) {
   std::vector<Index> near;
   for (const auto& [local, distance] : tree.within(rest[i], 0.5 * (support[i] + widest))) {
-    Index j = body.particles.begin + local;
+    Index j = bodies[body].particles.begin + local;
     if (j != i && distance < 0.5 * (support[i] + support[j])) near.push_back(j);
   }
   std::sort(near.begin(), near.end());
@@ -54,7 +54,7 @@ std::vector<Link> find_row(const PointTree& tree, const Body& body, std::span<co
     double q = X.norm() / (0.5 * (support[i] + support[j]));
     double W = kernel_weight(kernel, q);
     if (W <= 0.0) continue;
-    if (allowed && !(i < j ? allowed(rest[i], rest[j]) : allowed(rest[j], rest[i]))) continue;
+    if (allowed && !(i < j ? allowed(body, rest[i], rest[j]) : allowed(body, rest[j], rest[i]))) continue;
     float weight = static_cast<float>(W);
     Vec3 v = weight / length * X;
     row.push_back({v.x(), v.y(), v.z(), weight, j});
@@ -72,7 +72,8 @@ Neighborhood build_neighborhood(const Particles& particles, std::span<const Body
   result.support.resize(n);
   result.length.resize(n);
   std::vector<std::vector<Link>> rows(n);
-  for (const Body& body : bodies) {
+  for (Index b = 0; b < bodies.size(); ++b) {
+    const Body& body = bodies[b];
     if (body.particles.size() == 0) continue;
     std::span<const Vec3> rest(particles.rest);
     PointTree tree(rest.subspan(body.particles.begin, body.particles.size()));
@@ -84,7 +85,7 @@ Neighborhood build_neighborhood(const Particles& particles, std::span<const Body
     parallel_for_each(body.particles.size(), [&](std::size_t local) {
       Index i = body.particles.begin + static_cast<Index>(local);
       result.length[i] = length;
-      rows[i] = find_row(tree, body, rest, i, widest, length, result.support, settings.kernel, allowed);
+      rows[i] = find_row(tree, bodies, b, rest, i, widest, length, result.support, settings.kernel, allowed);
     });
   }
   result.start.resize(n + 1, 0);

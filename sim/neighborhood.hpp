@@ -43,8 +43,8 @@ struct NeighborhoodSettings {
   double support = 1.5;  ///< h over the mean distance of the k nearest
 };
 
-/// Whether two particles of one body, at rest positions a and b [m], may be linked.
-using LinkFilter = std::function<bool(const Vec3& a, const Vec3& b)>;
+/// Whether two particles of a body, at rest positions a and b [m], may be linked.
+using LinkFilter = std::function<bool(Index body, const Vec3& a, const Vec3& b)>;
 
 /// Links each body's particles: h_i = support * mean distance of the k nearest, and a pair is linked exactly
 /// when |X_ij| < (h_i + h_j)/2, with W at that mean support radius in both directions. Bodies are never

@@ -23,20 +23,20 @@ double tie_weight(double r, double h) {
   return q < reach ? std::exp(-q * q) - std::exp(-reach * reach) : 0.0;
 }
 
-std::vector<Skin::Tie> find_ties(const PointTree& tree, const Body& body, const Particles& particles,
-                                 const Neighborhood& links, double widest, const Vec3& vertex,
-                                 const LinkFilter& allowed) {
+std::vector<Skin::Tie> find_ties(const PointTree& tree, std::span<const Body> bodies, Index body,
+                                 const Particles& particles, const Neighborhood& links, double widest,
+                                 const Vec3& vertex, const LinkFilter& allowed) {
   std::vector<Skin::Tie> ties;
   double sum = 0.0;
   for (const auto& [local, distance] : tree.within(vertex, reach * widest)) {
-    Index i = body.particles.begin + local;
+    Index i = bodies[body].particles.begin + local;
     double weight = tie_weight(distance, links.support[i]);
-    if (weight <= 0.0 || (allowed && !allowed(vertex, particles.rest[i]))) continue;
+    if (weight <= 0.0 || (allowed && !allowed(body, vertex, particles.rest[i]))) continue;
     ties.push_back({i, weight, vertex - particles.rest[i]});
     sum += weight;
   }
   if (!(sum > 0.0)) {
-    Index nearest = body.particles.begin + tree.nearest(vertex, 1).front().first;
+    Index nearest = bodies[body].particles.begin + tree.nearest(vertex, 1).front().first;
     return {{nearest, 1.0, vertex - particles.rest[nearest]}};
   }
   for (Skin::Tie& tie : ties) tie.weight /= sum;
@@ -49,7 +49,8 @@ std::vector<Skin::Tie> find_ties(const PointTree& tree, const Body& body, const 
 Skin bind_skin(const Particles& particles, std::span<const Body> bodies, const Neighborhood& links,
                std::span<const Vec3> vertices, const LinkFilter& allowed) {
   std::vector<std::vector<Skin::Tie>> rows(vertices.size());
-  for (const Body& body : bodies) {
+  for (Index b = 0; b < bodies.size(); ++b) {
+    const Body& body = bodies[b];
     if (body.vertices.size() == 0) continue;
     if (body.particles.size() == 0)
       throw std::invalid_argument(fmt::format("body '{}' has {} surface vertices but no particle to follow",
@@ -59,7 +60,7 @@ Skin bind_skin(const Particles& particles, std::span<const Body> bodies, const N
                                       links.support.begin() + body.particles.end);
     parallel_for_each(body.vertices.size(), [&](std::size_t local) {
       std::size_t s = body.vertices.begin + local;
-      rows[s] = find_ties(tree, body, particles, links, widest, vertices[s], allowed);
+      rows[s] = find_ties(tree, bodies, b, particles, links, widest, vertices[s], allowed);
     });
   }
   Skin skin;

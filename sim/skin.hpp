@@ -47,7 +47,7 @@ struct Surface {
 
 /// Ties every vertex to the particles of its body within their support radius; where none is near enough (or
 /// every weight underflows) to the nearest particle alone.
-/// @param allowed as for `build_neighborhood`, called with (vertex, particle); ignored where it would leave
+/// @param allowed as for `build_neighborhood`, called with (body, vertex, particle); ignored where it would leave
 /// no tie
 /// @throws std::invalid_argument when a body has vertices but no particle.
 Skin bind_skin(const Particles& particles, std::span<const Body> bodies, const Neighborhood& links,

@@ -40,17 +40,47 @@ const EffectInfo& find_effect(std::string_view name) {
                                           fmt::join(names, ", ")));
 }
 
+namespace {
+
+std::invalid_argument error_at(const EffectTable& table, const std::invalid_argument& error) {
+  return std::invalid_argument(table.where.empty() ? error.what()
+                                                   : fmt::format("{}: {}", table.where, error.what()));
+}
+
+std::unique_ptr<Effect> make_effect(const EffectInfo& info, State& state,
+                                    std::span<const EffectTable> tables) {
+  try {
+    return info.make(state, tables);
+  } catch (const std::invalid_argument& error) {
+    // An effect sees all its tables at once; the guilty one fails alone, too.
+    for (const EffectTable& table : tables) {
+      try {
+        info.make(state, {&table, 1});
+      } catch (const std::invalid_argument& own_error) {
+        throw error_at(table, own_error);
+      }
+    }
+    throw error_at(tables.front(), error);
+  }
+}
+
+}  // namespace
+
 std::vector<std::unique_ptr<Effect>> make_effects(State& state, std::span<const EffectRequest> requests) {
   for (const EffectRequest& request : requests) {
-    find_effect(request.effect);
-    request.table.parameters.require_complete();
+    try {
+      find_effect(request.effect);
+      request.table.parameters.require_complete();
+    } catch (const std::invalid_argument& error) {
+      throw error_at(request.table, error);
+    }
   }
   std::vector<std::unique_ptr<Effect>> effects;
   for (const EffectInfo& info : effect_registry()) {
     std::vector<EffectTable> tables;
     for (const EffectRequest& request : requests)
       if (request.effect == info.name) tables.push_back(request.table);
-    if (!tables.empty()) effects.push_back(info.make(state, tables));
+    if (!tables.empty()) effects.push_back(make_effect(info, state, tables));
   }
   return effects;
 }

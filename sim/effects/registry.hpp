@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace deforma {
 struct EffectTable {
   Index body;
   Parameters parameters;
+  std::string where = {};  ///< file, line and key, for messages; may be empty
 };
 
 /// One row of the table of effects.
@@ -40,7 +42,7 @@ struct EffectRequest {
 
 /// Builds every effect that some table calls for, in running order.
 /// @throws std::invalid_argument for an unknown effect, an incomplete table, or values that do not fit
-/// together.
+/// together; the message begins with the guilty table's `where`. The state is of no use then.
 std::vector<std::unique_ptr<Effect>> make_effects(State& state, std::span<const EffectRequest> requests);
 
 /// @throws std::invalid_argument with the nearest name.

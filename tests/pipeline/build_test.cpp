@@ -114,7 +114,11 @@ TEST(Build, EffectsThatNoTableAsksForDoNotExist) {
 TEST(Build, LinksNeverJoinSeparatePieces) {
   Scratch scratch;
   scratch.write("two.obj", obj_text(two_boxes(0.05)));
-  World world = build_text(scratch, "duration = 1\n[[body]]\nmesh = \"two.obj\"\nparticles = 400\n");
+  // The body before it is convex and sees everything: whose links are asked for matters.
+  World world = build_text(scratch,
+                           "duration = 1\n[[body]]\nshape = { type = \"sphere\", radius = 0.1 }\n"
+                           "position = [-5, 0, 0]\nparticles = 20\n"
+                           "[[body]]\nmesh = \"two.obj\"\nparticles = 400\n");
   const State& state = world.solver->state();
   auto right = [&](std::size_t i) { return state.particles.rest[i].x() > 0.525; };
   std::size_t links = 0;
@@ -161,6 +165,45 @@ TEST(Build, RefusesWithThePlaceInTheScene) {
       refusal("duration = 1\n[[body]]\nparticles = 9\nshape = { type = \"box\", size = [1, 1, 1] }\n"
               "[[obstacle]]\nshape = { type = \"mesh\", file = \"text.obj\" }\nposition = [9, 0, 0]\n"),
       HasSubstr("scene.toml:6: obstacle.shape.file: "));
+}
+
+TEST(Build, AnEffectThatCannotBeMadeIsToldAtItsOwnTable) {
+  Scratch scratch;
+  std::string ball = "[[body]]\nshape = { type = \"sphere\", radius = 0.1 }\nparticles = 20\n";
+  std::string text = "duration = 1\n" + ball + "pin = true\n" + ball +
+                     "position = [1, 0, 0]\npin = [{ region = { min = [0, -9, -9] } },\n"
+                     "{ region = { min = [5, 5, 5] } }]\n";
+  try {
+    build_text(scratch, text);
+    FAIL() << "accepted";
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("scene.toml:11: body.pin: "));
+  }
+}
+
+/// The displacements after a while.
+std::vector<Vec3> moved(World world) {
+  world.solver->advance(0.2);
+  return world.solver->state().particles.displacement;
+}
+
+TEST(Build, TheResolvedSceneMovesAsTheScene) {
+  Scratch scratch;
+  // Where a pin turns about is computed, unless the scene says it: each alone, away from the origin.
+  for (std::string center : {"", ", center = [3, 0, 1]"}) {
+    Scene scene = load_scene(scratch.write(
+        "scene.toml",
+        "duration = 1\n[[body]]\nshape = { type = \"box\", size = [0.6, 0.2, 0.2] }\n"
+        "position = [3, 0, 1]\nparticles = 60\nelastic = { young = 1e5 }\n"
+        "pin = { region = { min = [3.1, -9, -9] }, rotation = [[0, [0, 0, 0]], [1, [90, 0, 0]]]" +
+            center + " }\nload = { force = [0, 0, 1] }\n"));
+    std::vector<Vec3> first = moved(build(scene));
+    EXPECT_EQ(moved(build_text(scratch, scene_to_toml(scene))), first) << center;
+    double farthest = 0.0;
+    for (const Vec3& u : first) farthest = std::max(farthest, u.norm());
+    EXPECT_GT(farthest, 0.02);
+    EXPECT_LT(farthest, 0.5);
+  }
 }
 
 TEST(Sight, ConvexIsToldFromNot) {

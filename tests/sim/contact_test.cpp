@@ -427,7 +427,7 @@ TEST(Contact, ABodyThatTouchesItselfIsStoppedByItself) {
   state.surface.body.assign(state.surface.size(), 0);
   state.bodies[0].vertices = {0, static_cast<Index>(state.surface.size())};
   state.bodies[0].triangles = {0, static_cast<Index>(state.surface.triangles.size())};
-  LinkFilter across = [&](const Vec3& a, const Vec3& b) { return !in_slot(0.5 * (a + b)); };
+  LinkFilter across = [&](Index, const Vec3& a, const Vec3& b) { return !in_slot(0.5 * (a + b)); };
   prepare_state(state, {}, across, across);
   double gap[2];
   for (bool self : {false, true}) {
