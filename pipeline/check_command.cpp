@@ -19,21 +19,11 @@ namespace {
 /// How long the solver is tried for to say how long the run will take [s].
 constexpr double trial_seconds = 0.5;
 
-template <typename T>
-std::size_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
-}
-
 std::size_t memory_of(const Solver& solver) {
-  const State& state = solver.state();
-  const Particles& p = state.particles;
-  std::size_t bytes = bytes_of(p.rest) + bytes_of(p.displacement) + bytes_of(p.velocity) + bytes_of(p.mass) +
-                      bytes_of(p.volume) + bytes_of(p.body) + bytes_of(state.links.links) +
-                      bytes_of(state.links.start) + bytes_of(state.fit.inverse) + bytes_of(state.fit.plane) +
-                      bytes_of(state.F) + bytes_of(state.F_rate) + bytes_of(state.surface.rest) +
-                      bytes_of(state.surface.triangles) + bytes_of(state.surface.position) +
-                      bytes_of(state.surface.velocity) + bytes_of(state.surface.skin.ties);
-  for (const auto& effect : solver.effects()) bytes += effect->bytes();
+  const SolverStatistics& statistics = solver.statistics();
+  std::size_t bytes = 0;
+  for (const auto* passes : {&statistics.stages, &statistics.effects})
+    for (const SolverStatistics::Pass& pass : *passes) bytes += pass.bytes;
   return bytes;
 }
 
@@ -104,8 +94,8 @@ int check(const SceneOptions& options) {
   fmt::print("obstacles        {}\n",
              obstacles.empty() ? "none" : fmt::to_string(fmt::join(obstacles, ", ")));
   print_neighbors(world.solver->state());
-  try_out(scene, *world.solver);
   for (const std::string& warning : world.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  try_out(scene, *world.solver);
   return exit_ok;
 }
 

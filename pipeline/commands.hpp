@@ -42,7 +42,8 @@ enum ExitCode {
   exit_failure = 1,
   exit_user_error = 2,
   exit_diverged = 3,
-  exit_interrupted = 130
+  exit_interrupted = 130,
+  exit_terminated = 143
 };
 
 }  // namespace deforma

@@ -7,27 +7,27 @@ namespace deforma {
 namespace {
 
 // A signal handler can reach nothing else.
-volatile std::sig_atomic_t interrupt_requested = 0;
+volatile std::sig_atomic_t received = 0;
 
-void remember(int) { interrupt_requested = 1; }
+void remember(int signal) { received = signal; }
 
 void install(void (*handler)(int), int flags) {
   struct sigaction action = {};
   action.sa_handler = handler;
   action.sa_flags = flags;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
+  for (int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
 
 InterruptWatch::InterruptWatch() {
-  interrupt_requested = 0;
+  received = 0;
   install(remember, static_cast<int>(SA_RESETHAND | SA_RESTART));
 }
 
 InterruptWatch::~InterruptWatch() { install(SIG_DFL, 0); }
 
-bool InterruptWatch::requested() const { return interrupt_requested != 0; }
+int InterruptWatch::signal() const { return received; }
 
 }  // namespace deforma

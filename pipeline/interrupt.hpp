@@ -2,8 +2,8 @@
 
 namespace deforma {
 
-/// While it lives, the first Ctrl-C only asks the run to end after the current frame; the second ends the
-/// program.
+/// While it lives, the first Ctrl-C or SIGTERM only asks the run to end after the current frame; the second
+/// ends the program.
 class InterruptWatch {
  public:
   InterruptWatch();
@@ -11,7 +11,7 @@ class InterruptWatch {
   InterruptWatch(const InterruptWatch&) = delete;
   InterruptWatch& operator=(const InterruptWatch&) = delete;
 
-  bool requested() const;
+  int signal() const;  ///< the one received, or 0
 };
 
 }  // namespace deforma

@@ -120,6 +120,9 @@ int main(int argc, char** argv) {
   } catch (const UserError& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return exit_user_error;
+  } catch (const SimulationDiverged& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_diverged;
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return exit_failure;

@@ -3,14 +3,31 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <fstream>
+#include <regex>
 
 #include "pipeline/user_error.hpp"
 
 namespace deforma {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// What a killed run leaves under a temporary name counts as its own, too.
+
+bool is_own_frame(const std::string& name) {
+  static const std::regex own(R"([0-9]+\.png|\.[0-9]+\.[0-9]+\.part\.png)");
+  return std::regex_match(name, own);
+}
+
+bool is_own_file(const std::string& name) {
+  static const std::regex own(R"(report\.json|scene\.toml|\.(report\.json|scene\.toml)\.part|)"
+                              R"((video|\.video\.[0-9]+\.part)\.(mp4|mkv|mov|webm|gif))");
+  return std::regex_match(name, own);
+}
+
+}  // namespace
 
 OutputFolder::OutputFolder(fs::path folder, bool overwrite) : folder_(std::move(folder)) {
   std::error_code error;
@@ -54,16 +71,12 @@ void OutputFolder::create() {
 
 void OutputFolder::remove_own_files() const {
   std::error_code ignored;
-  auto is_number = [](const std::string& text) {
-    return !text.empty() &&
-           std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
-  };
-  std::vector<fs::path> ours = {report_file(), scene_file()};
+  std::vector<fs::path> ours;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / "frames", ignored))
-    if (entry.path().extension() == ".png" && is_number(entry.path().stem().string()))
-      ours.push_back(entry.path());
+    if (is_own_frame(entry.path().filename().string())) ours.push_back(entry.path());
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
-    if (entry.is_regular_file(ignored) && entry.path().stem() == "video") ours.push_back(entry.path());
+    if (is_own_file(entry.path().filename().string()) && entry.is_regular_file(ignored))
+      ours.push_back(entry.path());
   for (const fs::path& file : ours) fs::remove(file, ignored);
 }
 

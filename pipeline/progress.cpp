@@ -43,6 +43,7 @@ void Progress::frame_done(int frame) {
     fmt::print(stderr, "\r[{:#>{}}{:.>{}}] frame {}/{}  {:.1f} fps  {} left ", "", filled, "", width - filled,
                frame, last_, rate, left);
     std::fflush(stderr);
+    in_bar_ = true;
     return;
   }
   int tenth = 10 * done / total;
@@ -52,7 +53,8 @@ void Progress::frame_done(int frame) {
 }
 
 void Progress::end() {
-  if (style_ == Style::bar) fmt::print(stderr, "\n");
+  if (in_bar_) fmt::print(stderr, "\n");
+  in_bar_ = false;
 }
 
 }  // namespace deforma

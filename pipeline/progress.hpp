@@ -10,13 +10,16 @@ class Progress {
   enum class Style { quiet, lines, bar };
 
   explicit Progress(Style style) : style_(style) {}
+  ~Progress() { end(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
 
   /// `quiet` when asked for, else by what standard error is.
   static Style style_for(bool quiet);
 
   void begin(int first_frame, int last_frame);
   void frame_done(int frame);
-  void end();  ///< leaves the bar's line
+  void end();  ///< leaves the bar's line, so that what is said next has one of its own
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -24,7 +27,8 @@ class Progress {
   Style style_;
   int first_ = 1;
   int last_ = 1;
-  int said_tenth_ = 0;  ///< of the frames, in plain lines
+  bool in_bar_ = false;  ///< the cursor stands behind a bar
+  int said_tenth_ = 0;   ///< of the frames, in plain lines
   Clock::time_point start_;
 };
 

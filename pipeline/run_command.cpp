@@ -2,6 +2,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <csignal>
 
 #include "pipeline/commands.hpp"
 #include "pipeline/interrupt.hpp"
@@ -35,7 +36,7 @@ int run(const RunCommand& options) {
       fmt::print(stderr, "warning: {}\n", warning);
     };
   InterruptWatch interrupt;
-  run_options.stop_requested = [&] { return interrupt.requested(); };
+  run_options.stop_requested = [&] { return interrupt.signal() != 0; };
 
   std::optional<tbb::global_control> threads;
   if (options.scene.threads > 0)
@@ -54,7 +55,8 @@ int run(const RunCommand& options) {
                record.frames_written);
     return exit_diverged;
   }
-  return record.ending == Ending::interrupted ? exit_interrupted : exit_ok;
+  if (record.ending == Ending::complete) return exit_ok;
+  return interrupt.signal() == SIGTERM ? exit_terminated : exit_interrupted;
 }
 
 }  // namespace deforma

@@ -160,6 +160,22 @@ TEST(Program, AnExistingFolderIsRefusedUnlessToldToOverwrite) {
   EXPECT_EQ(inspect_video(scratch / "out/video.mp4").frames, 2u);
 }
 
+TEST(Program, OverwritingRemovesWhatAKilledRunLeftAndNothingOfTheUsers) {
+  Scratch scratch;
+  fs::path scene = scratch.write("scene.toml", small_scene());
+  fs::create_directories(scratch / "out/frames");
+  const std::vector<std::string> leftovers = {"frames/.0007.4242.part.png", ".video.4242.part.mp4",
+                                              ".report.json.part", "video.webm"};
+  const std::vector<std::string> others = {
+      "video.txt",           "video.srt",   ".video.part.mp4", "frames/.0007.png", "frames/.a.1.part.png",
+      "frames/0001.png.bak", "my video.mp4"};
+  for (const auto& names : {leftovers, others})
+    for (const std::string& name : names) std::ofstream(scratch / "out" / name) << "old";
+  ASSERT_EQ(deforma_program(run_line(scene, scratch / "out", "--overwrite --frames 1:1 --quiet")).code, 0);
+  for (const std::string& name : leftovers) EXPECT_FALSE(fs::exists(scratch / "out" / name)) << name;
+  for (const std::string& name : others) EXPECT_EQ(read_text_file(scratch / "out" / name), "old") << name;
+}
+
 TEST(Program, MistakesEndWithTwoOneMessageAndNothingLeft) {
   Scratch scratch;
   fs::path good = scratch.write("good.toml", small_scene());
@@ -208,6 +224,14 @@ TEST(Program, MistakesEndWithTwoOneMessageAndNothingLeft) {
   }
 }
 
+TEST(Program, CheckOfADivergingSceneEndsWithThree) {
+  Scratch scratch;
+  std::string text = small_scene("load = { force = [0, 0, 1e12], region = { min = [-9, -9, 0.6] } }");
+  Said said = deforma_program("check " + scratch.write("scene.toml", text).string());
+  EXPECT_EQ(said.code, 3) << said.text;
+  EXPECT_THAT(said.text, HasSubstr("error: "));
+}
+
 TEST(Program, ADivergedRunKeepsItsGoodFrames) {
   Scratch scratch;
   // From the fourth frame on a force that nothing withstands pulls at one end.
@@ -238,7 +262,9 @@ TEST(Program, ThreadsDoNotChangeThePictures) {
   EXPECT_EQ(read_text_file(scratch / "1/frames/0010.png"), read_text_file(scratch / "2/frames/0010.png"));
 }
 
-TEST(Program, AnInterruptedRunLeavesAValidVideo) {
+class Interrupted : public testing::TestWithParam<int> {};
+
+TEST_P(Interrupted, LeavesAValidVideo) {
   Scratch scratch;
   fs::path scene = scratch.write("scene.toml", small_scene());
   fs::path out = scratch / "out";
@@ -252,11 +278,11 @@ TEST(Program, AnInterruptedRunLeavesAValidVideo) {
   auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!fs::exists(out / "frames/0003.png") && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  kill(child, SIGINT);
+  kill(child, GetParam());
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(WEXITSTATUS(status), 128 + GetParam());
   std::size_t pictures = 0;
   for (const auto& entry : fs::directory_iterator(out / "frames"))
     pictures += entry.path().extension() == ".png";
@@ -265,6 +291,9 @@ TEST(Program, AnInterruptedRunLeavesAValidVideo) {
   EXPECT_EQ(inspect_video(out / "video.mp4").frames, pictures);
   EXPECT_THAT(read_text_file(out / "report.json"), HasSubstr("\"interrupted\""));
 }
+
+INSTANTIATE_TEST_SUITE_P(Program, Interrupted, testing::Values(SIGINT, SIGTERM),
+                         [](const auto& info) { return info.param == SIGINT ? "Int" : "Term"; });
 
 }  // namespace
 }  // namespace deforma
