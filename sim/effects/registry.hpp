@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,7 +14,7 @@ namespace deforma {
 struct EffectTable {
   Index body;
   Parameters parameters;
-  std::string where = {};  ///< file, line and key, for messages; may be empty
+  std::string_view where = {};  ///< file, line and key, for messages; may be empty
 };
 
 /// One row of the table of effects.

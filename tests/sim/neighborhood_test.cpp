@@ -56,11 +56,17 @@ TEST(Neighborhood, NeverLinksTwoBodies) {
 
 TEST(Neighborhood, AsksTheFilterAboutEveryPair) {
   State state = lattice_particles(Vec3(0.6, 0.2, 0.2), 6, 2, 2, 1000.0);
+  append_body(state, lattice_particles(Vec3(0.6, 0.2, 0.2), 6, 2, 2, 1000.0), Vec3::Zero());
   auto same_side = [](const Vec3& a, const Vec3& b) { return (a.x() < 0.3) == (b.x() < 0.3); };
-  prepare_state(state, {}, same_side);
+  prepare_state(state, {},
+                [&](Index body, const Vec3& a, const Vec3& b) { return body == 0 || same_side(a, b); });
+  std::size_t across[2] = {0, 0};
   for (Index i = 0; i < state.size(); ++i)
     for (Index l = state.links.row(i).begin; l < state.links.row(i).end; ++l)
-      EXPECT_TRUE(same_side(state.particles.rest[i], state.particles.rest[state.links.links[l].j]));
+      across[state.particles.body[i]] +=
+          !same_side(state.particles.rest[i], state.particles.rest[state.links.links[l].j]);
+  EXPECT_GT(across[0], 0u);
+  EXPECT_EQ(across[1], 0u);
 }
 
 TEST(Neighborhood, ClipsTheCountInTinyBodies) {
