@@ -62,6 +62,16 @@ std::vector<std::unique_ptr<Effect>> make_effects(const Scene& scene, State& sta
   }
 }
 
+/// Where each body's contact is asked for; empty for one without.
+std::vector<std::string> contacts_of(const Scene& scene) {
+  std::vector<std::string> where;
+  for (const SceneBody& body : scene.bodies) {
+    std::vector<const SceneEffect*> tables = tables_of(scene, body, find_effect("contact"));
+    where.push_back(tables.empty() ? "" : tables.front()->where);
+  }
+  return where;
+}
+
 void warn_of_missing_contact(const Scene& scene, const State& state, std::vector<std::string>& warnings) {
   if (state.obstacles.empty()) return;
   const EffectInfo& contact = find_effect("contact");
@@ -120,7 +130,7 @@ World build(const Scene& scene) {
         fmt::format("{} of {} particles have neighbours on one line or plane only, or none: they resist less",
                     thin, state.size()));
   warn_of_missing_contact(scene, state, world.warnings);
-  warn_of_overlaps(state, meshes, world.warnings);
+  check_overlaps(state, meshes, contacts_of(scene), world.warnings);
 
   world.bodies = facts_of(state);
   std::vector<std::unique_ptr<Effect>> effects = make_effects(scene, state);

@@ -25,6 +25,13 @@ void extend_by_obstacle(Bounds& bounds, const Obstacle& obstacle) {
   for (const auto& [time, rotation] : obstacle.rotation.keys()) extend(time);
 }
 
+/// Where a body that falls freely comes down, with room to bounce and topple to any side.
+Bounds landing_place(const Bounds& start, double ground) {
+  double room = 0.3 * start.sizes().maxCoeff();
+  Vec3 low = start.min() - Vec3(room, room, 0.0), high = start.max() + Vec3(room, room, 0.0);
+  return {Vec3(low.x(), low.y(), ground), Vec3(high.x(), high.y(), ground + 0.5 * start.sizes().z())};
+}
+
 Bounds scene_bounds(const Scene& scene, const State& state) {
   Bounds bounds;
   for (std::size_t s = 0; s < state.surface.size(); ++s)
@@ -32,6 +39,7 @@ Bounds scene_bounds(const Scene& scene, const State& state) {
   for (std::size_t o = 0; o < scene.obstacles.size(); ++o)
     if (scene.obstacles[o].visible) extend_by_obstacle(bounds, state.obstacles[o]);
   if (bounds.isEmpty()) bounds = Bounds(Vec3::Constant(-1.0), Vec3::Constant(1.0));
+  if (scene.ground && scene.obstacles.empty()) bounds.extend(landing_place(bounds, scene.ground->height));
   if (scene.ground) bounds.extend(Vec3(bounds.center().x(), bounds.center().y(), scene.ground->height));
   return bounds;
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "pipeline/user_error.hpp"
 #include "sim/obstacle.hpp"
 
 namespace deforma {
@@ -15,6 +16,8 @@ using Bounds = Eigen::AlignedBox3d;
 
 /// Depths below this share of a body's size are how a body rests on something.
 constexpr double noticeable = 0.01;
+/// Depths above this share of a body's spacing are more than contact can ease out.
+constexpr double deep = 0.25;
 
 Bounds bounds_of(const Mesh& mesh) {
   Bounds bounds;
@@ -22,8 +25,8 @@ Bounds bounds_of(const Mesh& mesh) {
   return bounds;
 }
 
-void warn_of_bodies(const State& state, std::span<const Mesh> meshes, const std::vector<Bounds>& bounds,
-                    std::vector<std::string>& warnings) {
+void check_bodies(const State& state, std::span<const Mesh> meshes, const std::vector<Bounds>& bounds,
+                  std::span<const std::string> touching, std::vector<std::string>& warnings) {
   for (std::size_t b = 0; b < meshes.size(); ++b) {
     std::vector<std::size_t> near;
     for (std::size_t a = 0; a < meshes.size(); ++a)
@@ -39,15 +42,18 @@ void warn_of_bodies(const State& state, std::span<const Mesh> meshes, const std:
         if (bounds[b].contains(state.particles.rest[i])) inside.find(state.particles.rest[i], touches);
         if (!touches.empty()) ++count;
       }
-      if (count > 0)
-        warnings.push_back(fmt::format("{}: begins with {} of its {} particles inside {}",
-                                       state.bodies[a].name, count, own.size(), state.bodies[b].name));
+      if (count == 0) continue;
+      std::string found = fmt::format("'{}' begins with {} of its {} particles inside '{}'",
+                                      state.bodies[a].name, count, own.size(), state.bodies[b].name);
+      if (!touching[a].empty() && !touching[b].empty())
+        throw UserError(fmt::format("{}: {}: contact would throw them apart; move one", touching[a], found));
+      warnings.push_back(found);
     }
   }
 }
 
-void warn_of_obstacles(const State& state, const std::vector<Bounds>& bounds,
-                       std::vector<std::string>& warnings) {
+void check_obstacles(const State& state, const std::vector<Bounds>& bounds,
+                     std::span<const std::string> touching, std::vector<std::string>& warnings) {
   for (const Obstacle& obstacle : state.obstacles) {
     ObstacleField solid(obstacle);
     Pose pose = obstacle.pose_at(0.0);
@@ -61,20 +67,28 @@ void warn_of_obstacles(const State& state, const std::vector<Bounds>& bounds,
         depth = std::max(depth, touch.depth);
       }
     }
-    for (std::size_t b = 0; b < deepest.size(); ++b)
-      if (deepest[b] > noticeable * bounds[b].sizes().maxCoeff())
-        warnings.push_back(fmt::format("{}: begins {:.3g} m deep inside the solid part of {}",
-                                       state.bodies[b].name, deepest[b], obstacle.name));
+    for (std::size_t b = 0; b < deepest.size(); ++b) {
+      std::string found = fmt::format("'{}' begins {:.3g} m deep inside the solid part of '{}'",
+                                      state.bodies[b].name, deepest[b], obstacle.name);
+      if (!touching[b].empty() && deepest[b] > deep * state.bodies[b].spacing)
+        throw UserError(
+            fmt::format("{}: {}: contact would throw it out; move it ({:.3g} m, a quarter of its "
+                        "particles' spacing, is allowed; containers are solid all around, and open ones "
+                        "beside their mouth too)",
+                        touching[b], found, deep * state.bodies[b].spacing));
+      if (deepest[b] > noticeable * bounds[b].sizes().maxCoeff()) warnings.push_back(found);
+    }
   }
 }
 
 }  // namespace
 
-void warn_of_overlaps(const State& state, std::span<const Mesh> meshes, std::vector<std::string>& warnings) {
+void check_overlaps(const State& state, std::span<const Mesh> meshes, std::span<const std::string> touching,
+                    std::vector<std::string>& warnings) {
   std::vector<Bounds> bounds;
   for (const Mesh& mesh : meshes) bounds.push_back(bounds_of(mesh));
-  warn_of_bodies(state, meshes, bounds, warnings);
-  warn_of_obstacles(state, bounds, warnings);
+  check_bodies(state, meshes, bounds, touching, warnings);
+  check_obstacles(state, bounds, touching, warnings);
 }
 
 }  // namespace deforma

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "pipeline/user_error.hpp"
+#include "sim/effects/registry.hpp"
 
 namespace deforma {
 
@@ -73,6 +74,21 @@ std::size_t element_index(const toml::array& array, const std::string& key, cons
                               array.empty() ? 0 : array.size() - 1));
 }
 
+/// Turns what an effect's value stands for (its first key; `true` for none) into a table that can be added to.
+toml::node* spell_out(toml::table& owner, const std::string& effect) {
+  toml::node* node = owner.get(effect);
+  const toml::array* array = node->as_array();
+  if (node->is_table() || (array && array->is_homogeneous<toml::table>())) return node;
+  for (const EffectInfo& info : effect_registry()) {
+    if (info.name != effect) continue;
+    toml::table table;
+    if (!node->is_boolean())
+      node->visit([&](const auto& value) { table.insert(info.settings.front().key, value); });
+    return &owner.insert_or_assign(effect, std::move(table)).first->second;
+  }
+  return node;
+}
+
 }  // namespace
 
 Override parse_override(const std::string& argument) {
@@ -95,7 +111,7 @@ void apply_override(toml::table& scene, const Override& given) {
         table->insert_or_assign(key, std::move(*nested.get(key)));
         return;
       }
-      node = table->get(key);
+      node = spell_out(*table, key);
     } else if (toml::array* array = node->as_array()) {
       std::size_t index = element_index(*array, key, given);
       if (last) {

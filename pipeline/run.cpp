@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Dense>
+
 #include "pipeline/build.hpp"
 #include "pipeline/drawing.hpp"
 #include "pipeline/frame_pipeline.hpp"
@@ -47,6 +49,19 @@ FrameRange frames_of(const Scene& scene, const RunOptions& options) {
     throw UserError(
         fmt::format("frames {}:{} are outside the scene's 1:{}", range.first, range.last, scene.frames()));
   return range;
+}
+
+/// A particle whose deformation gradient has turned inside out can be stuck so, at a false equilibrium.
+void warn_of_inversion(const State& state, double time, std::vector<std::string>& warnings) {
+  std::vector<std::size_t> inverted(state.bodies.size(), 0);
+  for (std::size_t i = 0; i < state.size(); ++i)
+    if (state.fit.rank[i] == 3 && state.F[i].determinant() < 0.0) ++inverted[state.particles.body[i]];
+  for (std::size_t b = 0; b < inverted.size(); ++b)
+    if (inverted[b] > 0)
+      warnings.push_back(
+          fmt::format("'{}' ends, at {:.3g} s, with {} of its {} particles turned inside out: a "
+                      "stiffer 'young', a 'volume' or a larger hourglass 'stiffness' prevents it",
+                      state.bodies[b].name, time, inverted[b], state.bodies[b].particles.size()));
 }
 
 /// Simulates up to the last frame and hands over those asked for.
@@ -129,6 +144,10 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
   if (video && record.frames_written > 0) video->close();
   record.video_seconds += closing.lap();
   progress.end();
+  const std::size_t told = world.warnings.size();
+  warn_of_inversion(world.solver->state(), world.solver->state().time, world.warnings);
+  if (options.tell_warning)
+    for (std::size_t w = told; w < world.warnings.size(); ++w) options.tell_warning(world.warnings[w]);
 
   record.frames_seconds = watch.lap();
   record.drawing = pipeline.drawing();

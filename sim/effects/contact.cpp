@@ -25,7 +25,8 @@ const Setting settings[] = {
      .allowed = Interval::non_negative()},
     {.key = "restitution",
      .unit = "-",
-     .meaning = "speed after over speed before for a free particle; of two bodies the smaller counts",
+     .meaning = "of the contact alone: speed after over before for a body without elastic; the smaller of "
+                "two counts",
      .fallback = Curve<double>(0.3),
      .allowed = Interval::closed(0.0, 1.0)},
     {.key = "stiffness",

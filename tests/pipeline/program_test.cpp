@@ -89,17 +89,40 @@ TEST(Program, CheckWarnsOfABodyThatNothingStops) {
   EXPECT_THAT(said.text, HasSubstr("warning: box: falls through every obstacle: it has no 'contact'"));
 }
 
-TEST(Program, CheckWarnsOfBodiesThatBeginInsideSomething) {
+TEST(Program, BodiesThatTouchMustNotBeginDeepInsideSomething) {
   Scratch scratch;
-  std::string other =
+  const std::string other =
       "[[body]]\nname = \"other\"\nshape = { type = \"box\", size = [0.4, 0.4, 0.4] }\nposition = [0.2, 0, "
       "0.5]\n"
-      "particles = 64\ncontact = true\n[[obstacle]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = "
-      "0.2 }\n"
-      "position = [0, 0, 0.8]\n";
-  Said said = deforma_program("check " + scratch.write("scene.toml", small_scene("", other)).string());
-  EXPECT_THAT(said.text, HasSubstr("inside other"));
-  EXPECT_THAT(said.text, HasSubstr("deep inside the solid part of ball"));
+      "particles = 64\n";
+  const std::string ball =
+      "[[obstacle]]\nname = \"ball\"\nshape = { type = \"sphere\", radius = 0.2 }\nposition = [0, 0, 0.8]\n";
+  auto check = [&](const std::string& more) {
+    return deforma_program("check " + scratch.write("scene.toml", small_scene("", more)).string());
+  };
+  Said bodies = check(other + "contact = true\n");
+  EXPECT_EQ(bodies.code, 2);
+  EXPECT_THAT(bodies.text, HasSubstr("of its 64 particles inside 'box': contact would throw them apart"));
+  EXPECT_THAT(bodies.text, HasSubstr("scene.toml:"));
+  Said obstacle = check(ball);
+  EXPECT_EQ(obstacle.code, 2);
+  EXPECT_THAT(obstacle.text, HasSubstr("begins 0.1 m deep inside the solid part of 'ball'"));
+  // What feels nothing is not thrown: a warning is enough.
+  Said unfelt = check(other);
+  EXPECT_EQ(unfelt.code, 0) << unfelt.text;
+  EXPECT_THAT(unfelt.text, HasSubstr("inside 'other'"));
+}
+
+TEST(Program, WarnsOfABodyThatEndsInsideOut) {
+  Scratch scratch;
+  // Half of the body is pulled through the other half.
+  const std::string pins =
+      "gravity = false\npin = [ { region = { max = [0, inf, inf] } },"
+      " { region = { min = [0, -inf, -inf] }, move = [[0, [0, 0, 0]], [0.1, [-0.6, 0, 0]]] } ]";
+  Said said = deforma_program(
+      run_line(scratch.write("scene.toml", small_scene(pins)), scratch / "out", "--size 64x64 --no-video"));
+  EXPECT_EQ(said.code, 0) << said.text;
+  EXPECT_THAT(said.text, HasSubstr("particles turned inside out"));
 }
 
 TEST(Program, TheStarterSceneChecksAndRuns) {

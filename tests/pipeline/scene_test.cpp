@@ -177,6 +177,18 @@ TEST(Scene, SetReachesEveryKey) {
   EXPECT_DOUBLE_EQ(load_text(scratch, small_scene(), {"body.box.density=7"}).bodies[0].density, 7.0);
 }
 
+TEST(Scene, SetAddsToAnEffectWrittenAsAValue) {
+  Scratch scratch;
+  Scene scene =
+      load_text(scratch, small_scene("elastic = 8e3\ndamping = 2"),
+                {"body.0.elastic.poisson=0.4", "body.0.contact.friction=0.9", "body.0.damping.viscosity=5"});
+  const Parameters& elastic = effect_of(scene.bodies[0].effects, "elastic").parameters;
+  EXPECT_DOUBLE_EQ(elastic.number("young").at(0), 8e3);
+  EXPECT_DOUBLE_EQ(elastic.number("poisson").at(0), 0.4);
+  EXPECT_DOUBLE_EQ(effect_of(scene.bodies[0].effects, "contact").parameters.number("friction").at(0), 0.9);
+  EXPECT_DOUBLE_EQ(effect_of(scene.bodies[0].effects, "damping").parameters.number("rate").at(0), 2.0);
+}
+
 TEST(Scene, SetRefusesWhatIsNotThere) {
   Scratch scratch;
   std::string text = small_scene("name = \"duck\"");
