@@ -37,9 +37,7 @@ double squared_distance_to_triangle(const Vector3d& p, const std::array<Vector3d
                    squared_distance_to_segment(p, corner[2], corner[0])});
 }
 
-Vector3d middle_of(const MeshTree::Triangle& t) {
-  return (t.corner[0] + t.corner[1] + t.corner[2]) / 3.0;
-}
+Vector3d middle_of(const MeshTree::Triangle& t) { return (t.corner[0] + t.corner[1] + t.corner[2]) / 3.0; }
 
 }  // namespace
 

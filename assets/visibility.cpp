@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/sample.hpp"
 #include "assets/mesh_tree.hpp"
+#include "assets/sample.hpp"
 
 namespace deforma {
 
