@@ -116,6 +116,7 @@ TEST(Contact, BetweenBodiesTheForceIsTheGradientOfTheEnergyAndKeepsMomentum) {
     size += force[i].norm();
   }
   EXPECT_LT(sum.norm(), 1e-13 * size);
+  EXPECT_LT(torque.norm(), 1e-12 * size);
   EXPECT_GT(size, 1.0);
 }
 

@@ -40,7 +40,7 @@ TEST(Load, GivesTheForceInTotal) {
     expected += state.surface.rest[s].cross(state.surface.area[s] * Vec3(3, -4, 5));
     area += state.surface.area[s];
   }
-  EXPECT_LT((torque - expected / area).norm(), 1e-6);  // the links' vectors are rounded to single precision
+  EXPECT_LT((torque - expected / area).norm(), 1e-11);
 }
 
 TEST(Load, GivesTractionTimesArea) {

@@ -47,7 +47,7 @@ TEST(Pressure, NeitherPushesNorTurnsAClosedBody) {
     size += force[i].norm();
   }
   EXPECT_LT(sum.norm(), 1e-13 * size);
-  EXPECT_LT(torque.norm(), 1e-7 * size);  // the links' vectors are rounded to single precision
+  EXPECT_LT(torque.norm(), 1e-12 * size);
 }
 
 TEST(Pressure, ChangesTheVolumeByTheBulkModulus) {
