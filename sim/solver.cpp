@@ -152,7 +152,7 @@ struct Solver::Data {
     move_surface();
   }
 
-  void find_force() {
+  void find_force(bool with_stress = true) {
     std::fill(force.begin(), force.end(), Vec3::Zero());
     if (needs & needs_strain) {
       std::fill(P.begin(), P.end(), Mat3::Zero());
@@ -163,14 +163,56 @@ struct Solver::Data {
         Timer timer(statistics.stages[surface_motion]);
         add_surface_force(state.surface, state.particles, surface_force, P, force);
       }
-      run_effects(Effect::at_stress,
-                  [&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
+      if (with_stress)
+        run_effects(Effect::at_stress,
+                    [&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
+      else
+        std::fill(pair_stiffness.begin(), pair_stiffness.end(), 0.0);
       Timer timer(statistics.stages[gather_force]);
       carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
                      pair_stiffness, B, force);
       add_internal_force(state.links, state.fit, B, pair_stiffness, state.particles.displacement, force);
     }
     run_effects(Effect::at_force, [&](Effect& effect) { effect.force(state, force); });
+  }
+
+  // What depends on where particles are and how they move: exchanged for another while forces are asked for there.
+  struct Motion {
+    std::vector<Vec3> displacement, velocity;
+    std::vector<Mat3> F, F_rate;
+    std::vector<Vec3> position, surface_velocity;
+    std::vector<Vec3> force;
+  };
+  Motion aside;
+
+  void exchange_motion() {
+    std::swap(state.particles.displacement, aside.displacement);
+    std::swap(state.particles.velocity, aside.velocity);
+    std::swap(state.F, aside.F);
+    std::swap(state.F_rate, aside.F_rate);
+    std::swap(state.surface.position, aside.position);
+    std::swap(state.surface.velocity, aside.surface_velocity);
+    std::swap(force, aside.force);
+  }
+
+  void find_static_force(std::span<const Vec3> displacement, std::span<Vec3> answer, bool with_stress) {
+    refresh();  // what is put aside belongs together
+    aside.displacement.assign(displacement.begin(), displacement.end());
+    aside.velocity.assign(state.size(), Vec3::Zero());
+    aside.F.resize(state.F.size());
+    aside.F_rate.assign(state.F_rate.size(), Mat3::Zero());
+    aside.position.resize(state.surface.position.size());
+    aside.surface_velocity.resize(state.surface.velocity.size());
+    aside.force.resize(state.size());
+    exchange_motion();
+    if (needs & needs_strain) deformation_gradients(state.links, state.fit, displacement, state.F);
+    find_near();
+    move_surface();
+    find_force(with_stress);
+    std::copy(force.begin(), force.end(), answer.begin());
+    exchange_motion();
+    find_near();  // the effects' lists again as the state wants them
+    move_surface();
   }
 
   template <typename Call>
@@ -352,6 +394,41 @@ void Solver::advance(double seconds) {
   d.state.time = end;
   d.refresh();
   d.refuse_divergence();
+}
+
+void Solver::static_force(std::span<const Vec3> displacement, std::span<Vec3> force) {
+  Data& d = *data_;
+  if (displacement.size() != d.state.size() || force.size() != d.state.size())
+    throw std::invalid_argument(fmt::format("{} particles but {} displacements and {} forces", d.state.size(),
+                                            displacement.size(), force.size()));
+  d.find_static_force(displacement, force, true);
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (d.state.fixed[i]) force[i].setZero();
+}
+
+double Solver::applied_load() {
+  Data& d = *data_;
+  std::vector<Vec3> applied(d.state.size()), all(d.state.size());
+  d.find_static_force(d.state.particles.displacement, applied, false);
+  d.find_static_force(d.state.particles.displacement, all, true);
+  double on_free = 0.0, on_fixed = 0.0;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    (d.state.fixed[i] ? on_fixed : on_free) += (d.state.fixed[i] ? all : applied)[i].squaredNorm();
+  return std::sqrt(std::max(on_free, on_fixed));
+}
+
+void Solver::place(std::span<const Vec3> displacement) {
+  Data& d = *data_;
+  if (displacement.size() != d.state.size())
+    throw std::invalid_argument(
+        fmt::format("{} particles but {} displacements", d.state.size(), displacement.size()));
+  std::copy(displacement.begin(), displacement.end(), d.state.particles.displacement.begin());
+  std::fill(d.state.particles.velocity.begin(), d.state.particles.velocity.end(), Vec3::Zero());
+  d.prescribe();
+  d.last_step = 0.0;
+  d.fresh = d.force_known = false;
+  d.find_initial_rate();
+  d.refresh();
 }
 
 double Solver::stable_step() { return data_->stable_step(); }

@@ -60,6 +60,22 @@ class Solver {
   /// The whole surface as drawn [m], one point per vertex; up to date with the state.
   void deform(std::span<Vec3> points) const;
 
+  /// The force of every effect on particles at rest at other places than the state's [N], at the state's time; zero
+  /// where particles are fixed. The state is not changed, except that contacts may forget friction that they hold.
+  /// @param displacement of every particle, fixed ones too [m]    n
+  /// @param force        written                                  n
+  /// @throws std::invalid_argument when the lengths differ from the number of particles.
+  void static_force(std::span<const Vec3> displacement, std::span<Vec3> force);
+
+  /// What an equilibrium at the present place has to balance [N], as a 2-norm: the forces on free particles that do
+  /// not answer strain, or those that hold the fixed ones, whichever is larger.
+  double applied_load();
+
+  /// Puts the free particles elsewhere, at rest; pins place what they hold.
+  /// @param displacement of every particle [m]                    n
+  /// @throws std::invalid_argument when the length differs from the number of particles.
+  void place(std::span<const Vec3> displacement);
+
   const State& state() const;
   Ledger ledger() const;
   const SolverStatistics& statistics() const;
