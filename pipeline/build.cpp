@@ -10,6 +10,8 @@
 #include "pipeline/sight.hpp"
 #include "pipeline/user_error.hpp"
 #include "sim/kernel.hpp"
+#include "sim/merge.hpp"
+#include "sim/point_tree.hpp"
 
 namespace deforma {
 
@@ -96,6 +98,62 @@ std::vector<BodyFacts> facts_of(const State& state) {
   return facts;
 }
 
+/// Fewer neighbours are more exact, but the quadratic fit has nine coefficients to find.
+NeighborhoodSettings neighborhood_settings(const SolverSpec& spec) {
+  const bool quadratic = gradient_from_name(spec.gradient) == Gradient::quadratic;
+  return {kernel_from_name(spec.kernel), spec.neighbors.value_or(quadratic ? 30 : 18),
+          spec.support.value_or(quadratic ? 1.7 : 1.5)};
+}
+
+void merge_particles(State& state, std::vector<std::string>& warnings) {
+  std::vector<std::size_t> lost = merge_coincident(state.particles, state.bodies);
+  for (std::size_t b = 0; b < lost.size(); ++b)
+    if (lost[b] > 0)
+      warnings.push_back(
+          fmt::format("{}: {} particles stand where another one does: merged with it, {} are left; their "
+                      "masses and volumes are summed",
+                      state.bodies[b].name, lost[b], state.bodies[b].particles.size()));
+}
+
+/// The default number of neighbours is clipped to those there are; one that was asked for is kept or refused.
+void check_neighbors(const Scene& scene, const State& state) {
+  if (!scene.solver.neighbors) return;
+  for (const Body& body : state.bodies) {
+    Index others = body.particles.size() - 1;
+    if (static_cast<Index>(*scene.solver.neighbors) <= others) continue;
+    std::string allowed = others < 3 ? "too few for any number" : fmt::format("expected 3 to {}", others);
+    throw UserError(
+        fmt::format("{}: solver.neighbors: found {}, but a particle of '{}' has {} others, {}; "
+                    "without this key it is as many as there are",
+                    scene.file.string(), *scene.solver.neighbors, body.name, others, allowed));
+  }
+}
+
+/// Particles whose links the body's shape forbids are no fault of the support, nor is the only one of a body.
+void check_support(const Scene& scene, const State& state) {
+  if (!scene.solver.support) return;
+  for (const Body& body : state.bodies) {
+    std::span<const Vec3> rest =
+        std::span(state.particles.rest).subspan(body.particles.begin, body.particles.size());
+    PointTree tree(rest);
+    std::size_t lonely = 0;
+    double needed = 0.0;
+    for (Index i = body.particles.begin; i < body.particles.end; ++i) {
+      if (state.links.row(i).size() > 0 || body.particles.size() < 2) continue;
+      auto [nearest, distance] = tree.nearest(state.particles.rest[i], 2)[1];
+      double reach = 0.5 * (state.links.support[i] + state.links.support[body.particles.begin + nearest]);
+      if (distance < reach) continue;
+      ++lonely;
+      needed = std::max(needed, *scene.solver.support * distance / reach);
+    }
+    if (lonely > 0)
+      throw UserError(fmt::format(
+          "{}: solver.support: {} leaves {} of the {} particles of '{}' without a "
+          "neighbour, expected above {:.3g}",
+          scene.file.string(), *scene.solver.support, lonely, body.particles.size(), body.name, needed));
+  }
+}
+
 SolverSettings solver_settings(const SolverSpec& spec) {
   return {spec.integrator == "velocity_verlet" ? Integrator::velocity_verlet : Integrator::symplectic_euler,
           spec.step_fraction, spec.max_step};
@@ -111,15 +169,17 @@ World build(const Scene& scene) {
     meshes.push_back(make_body_mesh(body, world.warnings));
     append_body(state, body, meshes.back(), world.warnings);
   }
+  merge_particles(state, world.warnings);
+  check_neighbors(scene, state);
   state.obstacles = make_obstacles(scene);
 
   auto sight = std::make_shared<const Sight>(meshes);
   LinkFilter filter;
   if (sight->needed())
     filter = [sight](Index body, const Vec3& a, const Vec3& b) { return (*sight)(body, a, b); };
-  const SolverSpec& spec = scene.solver;
-  prepare_state(state, {kernel_from_name(spec.kernel), spec.neighbors.value(), spec.support.value()}, filter,
-                filter, gradient_from_name(spec.gradient));
+  prepare_state(state, neighborhood_settings(scene.solver), filter, filter,
+                gradient_from_name(scene.solver.gradient));
+  check_support(scene, state);
   if (state.fit.linear_fits > 0)
     world.warnings.push_back(
         fmt::format("{} of {} particles have too few neighbours for the quadratic fit: the linear "

@@ -28,8 +28,8 @@ struct SolverSpec {
   double max_step = 0.0;  ///< [s]; 0: none
   std::string kernel = "cubic_spline";
   std::string gradient = "linear";
-  std::optional<int> neighbors;   ///< filled in by the reader: what suits the gradient
-  std::optional<double> support;  ///< the same
+  std::optional<int> neighbors;   ///< what suits the gradient, and no more than there are, when absent
+  std::optional<double> support;  ///< what suits the gradient when absent
 };
 
 /// How a surface looks; colours are sRGB in [0, 1].

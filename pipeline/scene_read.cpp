@@ -208,9 +208,6 @@ Scene load_scene(const std::filesystem::path& file, const std::vector<Override>&
   scene.name = file.stem().string();
   TableReader reader(root, "");
   describe(reader, scene);
-  const bool quadratic = scene.solver.gradient == gradient_name(Gradient::quadratic);
-  if (!scene.solver.neighbors) scene.solver.neighbors = quadratic ? 30 : 18;
-  if (!scene.solver.support) scene.solver.support = quadratic ? 1.7 : 1.5;
   if (reader.take("ground")) scene.ground = GroundSpec{};
   reader.table("ground", [&](TableReader& inner) { describe(inner, *scene.ground); });
   reader.table("world", [&](TableReader& inner) { scene.world = read_effects(inner, true, nullptr); });
