@@ -70,6 +70,8 @@ fs::path find_mesh(const std::string& name, const fs::path& scene_file) {
 
 std::string missing_mesh_message(const std::string& name, const fs::path& scene_file) {
   fs::path wanted = scene_file.parent_path() / name;
+  std::error_code ignored;
+  if (fs::is_directory(wanted, ignored)) return fmt::format("'{}' is a folder; expected a mesh file", name);
   std::vector<std::string> names = file_names(wanted.parent_path().empty() ? "." : wanted.parent_path());
   std::vector<std::string> installed = file_names(assets_folder() / "meshes");
   names.insert(names.end(), installed.begin(), installed.end());

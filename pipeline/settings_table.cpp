@@ -23,6 +23,11 @@ Region read_region(const toml::node& node, const std::string& path) {
   if (const toml::node* radius = reader.take("radius"))
     region.radius = read_number(*radius, reader.path_of("radius"), Interval::positive());
   reader.finish();
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(region.min[axis] <= region.max[axis]))
+      fail(node, path,
+           fmt::format("no {0} is from min = {1} up to max = {2}; expected min <= max", "xyz"[axis],
+                       region.min[axis], region.max[axis]));
   return region;
 }
 

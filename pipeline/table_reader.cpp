@@ -30,12 +30,21 @@ std::string found_text(const toml::node& node) {
   return found.size() <= longest ? found : found.substr(0, longest) + "...";
 }
 
-double read_number(const toml::node& node, std::string_view path, const Interval& allowed) {
+namespace {
+
+/// A number, possibly nan: for what is checked against its interval, which refuses nan, by others.
+double read_any_number(const toml::node& node, std::string_view path) {
   std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
   if (!value) fail(node, path, fmt::format("expected a number, found {}", found_text(node)));
-  if (std::isnan(*value)) fail(node, path, "expected a number, found nan");
-  if (!allowed.contains(*value)) fail(node, path, fmt::format("{} is outside {}", *value, allowed.text()));
   return *value;
+}
+
+}  // namespace
+
+double read_number(const toml::node& node, std::string_view path, const Interval& allowed) {
+  double value = read_any_number(node, path);
+  if (!allowed.contains(value)) fail(node, path, fmt::format("{} is outside {}", value, allowed.text()));
+  return value;
 }
 
 Vec3 read_vector(const toml::node& node, std::string_view path) {
@@ -81,10 +90,9 @@ Curve<double> read_number_curve(const toml::node& node, std::string_view path) {
     if (!node.is_number())
       fail(node, path,
            fmt::format("expected a number or keyframes [[time, value], ...], found {}", found_text(node)));
-    return read_number(node, path);
+    return read_any_number(node, path);
   }
-  return read_keyframes<double>(
-      *array, path, [](const toml::node& n, std::string_view where) { return read_number(n, where); });
+  return read_keyframes<double>(*array, path, read_any_number);
 }
 
 Curve<Vec3> read_vector_curve(const toml::node& node, std::string_view path) {
@@ -159,6 +167,10 @@ void TableReader::choice(std::string_view key, std::string& value,
                          std::span<const std::string_view> choices) {
   const toml::node* node = take(key);
   if (!node) return;
+  if (!node->is_string())
+    fail(*node, path_of(key),
+         fmt::format("expected a text in quotes, found {} (allowed: {})", found_text(*node),
+                     fmt::join(choices, ", ")));
   value = read_text(*node, path_of(key));
   if (std::find(choices.begin(), choices.end(), value) == choices.end())
     fail(*node, path_of(key),

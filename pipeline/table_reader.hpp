@@ -28,7 +28,7 @@ std::string found_text(const toml::node& node);
 double read_number(const toml::node& node, std::string_view path, const Interval& allowed = Interval::any());
 Vec3 read_vector(const toml::node& node, std::string_view path);
 std::string read_text(const toml::node& node, std::string_view path);
-Curve<double> read_number_curve(const toml::node& node, std::string_view path);
+Curve<double> read_number_curve(const toml::node& node, std::string_view path);  ///< may hold nan
 Curve<Vec3> read_vector_curve(const toml::node& node, std::string_view path);
 
 /// Reads one table and remembers every key that was asked for, so that a typo cannot pass.
