@@ -179,6 +179,20 @@ EGLDisplay platform_display(EGLenum platform, void* native, const char* extensio
   return display;
 }
 
+std::string no_such_device(const std::string& platform, const std::vector<EGLDeviceEXT>& devices) {
+  const auto query = client_function<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  std::vector<std::string> present;
+  for (std::size_t number = 0; number < devices.size(); ++number) {
+    const char* file = query ? query(devices[number], EGL_DRM_DEVICE_FILE_EXT) : nullptr;
+    present.push_back(file ? fmt::format("device:{} ({})", number, file) : fmt::format("device:{}", number));
+  }
+  return fmt::format(
+      "there is no rendering platform '{}'; EGL lists {} device{}{}{}; auto, surfaceless and "
+      "default need none",
+      platform, devices.size(), devices.size() == 1 ? "" : "s", devices.empty() ? "" : ": ",
+      fmt::join(present, ", "));
+}
+
 /// The number N of "device:N"; nothing for another form.
 std::optional<std::size_t> device_number(const std::string& platform) {
   constexpr std::string_view prefix = "device:";
@@ -256,10 +270,7 @@ Context::Context(const ContextRequest& request) : data_(std::make_unique<Data>()
   bool made = false;
   if (number) {
     const auto devices = list_devices();
-    if (*number >= devices.size())
-      throw std::runtime_error(fmt::format(
-          "no OpenGL context: rendering platform '{}' asked for, but EGL lists {} device(s), numbered from 0",
-          request.platform, devices.size()));
+    if (*number >= devices.size()) throw std::invalid_argument(no_such_device(request.platform, devices));
     made = data_->attempt_device(*number, devices[*number]);
   } else if (request.platform == "surfaceless") {
     made = data_->attempt_surfaceless();

@@ -26,8 +26,8 @@ struct ContextFacts {
 class Context {
  public:
   /// @throws std::runtime_error listing every attempt with its EGL error when none works;
-  /// std::invalid_argument for a
-  ///         platform name that is none of the above.
+  /// std::invalid_argument for a platform name that is none of the above or a device that EGL does not list; the
+  /// message lists what there is.
   explicit Context(const ContextRequest& request = {});
   ~Context();
   Context(const Context&) = delete;

@@ -49,7 +49,8 @@ TEST(Context, RefusesAnUnknownPlatform) {
 
 TEST(Context, SaysHowManyDevicesThereAre) {
   EXPECT_THAT([] { Context context(ContextRequest{"device:4711"}); },
-              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("'device:4711'"), HasSubstr("EGL lists"))));
+              ThrowsMessage<std::invalid_argument>(
+                  AllOf(HasSubstr("'device:4711'"), HasSubstr("EGL lists"), HasSubstr("surfaceless"))));
 }
 
 TEST(Context, LivesBesideAnother) {
