@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
 #include <regex>
 
@@ -90,15 +91,16 @@ fs::path OutputFolder::video_file(const std::string& extension) const {
 
 void write_text(const fs::path& file, const std::string& text) {
   fs::path temporary = file.parent_path() / fmt::format(".{}.part", file.filename().string());
+  errno = 0;
   std::ofstream stream(temporary, std::ios::binary);
   stream << text;
   stream.close();
-  std::error_code error;
+  std::error_code error(stream ? 0 : errno != 0 ? errno : EIO, std::generic_category());
   if (stream) fs::rename(temporary, file, error);
   if (!stream || error) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
-    throw std::runtime_error(fmt::format("{}: cannot be written", file.string()));
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.message()));
   }
 }
 

@@ -113,12 +113,17 @@ void write_png(const std::filesystem::path& file, const Image& image,
   Reason reason;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &reason, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
+  errno = 0;
   const bool written = info && encode(png, info, output.get(), image, opaque, chunks);
+  const int cause = errno;  // of libpng's plain "Write Error", too
   png_destroy_write_struct(&png, &info);
   const bool closed = std::fclose(output.release()) == 0;
-  if (!written || !closed)
-    throw std::runtime_error(fmt::format("cannot write '{}': {}", file.string(),
-                                         reason.text.empty() ? std::strerror(errno) : reason.text));
+  if (!written || !closed) {
+    const int last = cause != 0 ? cause : errno;
+    throw std::runtime_error(
+        fmt::format("cannot write '{}': {}", file.string(),
+                    last != 0 || reason.text.empty() ? std::strerror(last) : reason.text));
+  }
   temporary.rename();
 }
 
