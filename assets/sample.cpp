@@ -17,8 +17,9 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double bytes_per_particle = 1024.0;  // with its links, moments and stresses, in the simulation
-constexpr std::size_t least_by_spacing = 4;    // fewer do not span a volume
+constexpr double bytes_per_particle =
+    2048.0;                                  // measured: with links, moments and stresses, in the simulation
+constexpr std::size_t least_by_spacing = 4;  // fewer do not span a volume
 
 void check_settings(const SamplingSettings& settings) {
   if (!std::isfinite(settings.spacing) || settings.spacing < 0.0)
@@ -27,14 +28,14 @@ void check_settings(const SamplingSettings& settings) {
     throw std::invalid_argument("particles, spacing: expected one of them above 0, found 0 for both");
 }
 
-void check_memory(double particles) {
+void check_memory(const std::string& asked, double particles) {
   double needed = particles * bytes_per_particle;
   double present = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (needed > present)
     throw std::runtime_error(fmt::format(
-        "particles: {:.0f} need about {:.1f} GiB of memory, this machine has {:.1f} GiB; ask for fewer "
+        "{}: {:.4g} particles need at least {:.4g} GiB of memory, this machine has {:.4g} GiB; ask for fewer "
         "particles or a wider spacing",
-        particles, needed / 0x1p30, present / 0x1p30));
+        asked, particles, needed / 0x1p30, present / 0x1p30));
 }
 
 Points fill_by_count(const Solid& solid, Arrangement arrangement, std::size_t count) {
@@ -65,8 +66,10 @@ Points fill_by_spacing(const Solid& solid, Arrangement arrangement, double spaci
 
 [[noreturn]] void refuse_spacing(const Solid& solid, Arrangement arrangement, double spacing,
                                  std::size_t found) {
-  double needed = spacing;
-  while (fill_by_spacing(solid, arrangement, needed).size() < least_by_spacing) needed *= 0.9;
+  // Told with three digits, so those three are tried.
+  auto told = [](double length) { return std::stod(fmt::format("{:.3g}", length)); };
+  double needed = told(std::min(spacing, (solid.facts().max - solid.facts().min).norm()));
+  while (fill_by_spacing(solid, arrangement, needed).size() < least_by_spacing) needed = told(0.9 * needed);
   throw std::runtime_error(fmt::format(
       "spacing: {} m leaves {} particles in the mesh, expected at least {}: use at most {:.3g} m, or "
       "particles = {} or more",
@@ -77,7 +80,7 @@ Points fill_by_spacing(const Solid& solid, Arrangement arrangement, double spaci
 
 Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings) {
   check_settings(settings);
-  check_memory(static_cast<double>(settings.particles));
+  check_memory("particles", static_cast<double>(settings.particles));
   Solid solid(mesh);
   if (solid.volume() == 0.0)
     throw std::runtime_error(fmt::format("the mesh encloses no volume ({} triangles, {} boundary edges)",
@@ -88,7 +91,8 @@ Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings) {
   if (settings.particles > 0) {
     sampling.points = fill_by_count(solid, settings.arrangement, settings.particles);
   } else {
-    check_memory(solid.volume() / std::pow(settings.spacing, 3));
+    check_memory(fmt::format("spacing: {} m", settings.spacing),
+                 solid.volume() / std::pow(settings.spacing, 3));
     sampling.points = fill_by_spacing(solid, settings.arrangement, settings.spacing);
     if (sampling.points.size() < least_by_spacing)
       refuse_spacing(solid, settings.arrangement, settings.spacing, sampling.points.size());

@@ -191,8 +191,9 @@ TEST(SampleRefuses, AShellThinnerThanTheSpacing) {
 }
 
 TEST(SampleRefuses, MoreThanTheMemoryHolds) {
-  expect_refused(make_sphere(1, 4), {1'000'000'000'000, 0.0}, "need about 953674.3 GiB of memory");
-  expect_refused(make_sphere(1, 4), {0, 1e-6}, "GiB of memory");
+  expect_refused(make_sphere(1, 4), {1'000'000'000'000, 0.0},
+                 "1e+12 particles need at least 1.907e+06 GiB of memory");
+  expect_refused(make_sphere(1, 4), {0, 1e-6}, "spacing: 1e-06 m: ");
 }
 
 TEST(SampleRefuses, SettingsThatMakeNoSense) {
