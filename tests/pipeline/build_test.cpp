@@ -12,6 +12,7 @@
 #include "pipeline/sight.hpp"
 #include "pipeline/user_error.hpp"
 #include "render/camera.hpp"
+#include "tests/pipeline/mesh_text.hpp"
 #include "tests/pipeline/scratch.hpp"
 
 namespace deforma {
@@ -32,14 +33,6 @@ Mesh two_boxes(double gap) {
   for (const Triangle& t : other.triangles)
     both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   return both;
-}
-
-std::string obj_text(const Mesh& mesh) {
-  std::ostringstream text;
-  for (const Vec3& p : mesh.points) text << "v " << p.x() << " " << p.y() << " " << p.z() << "\n";
-  for (const Triangle& t : mesh.triangles)
-    text << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
-  return text.str();
 }
 
 TEST(Build, PosesScalesAndWeighsABody) {
