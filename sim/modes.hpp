@@ -19,7 +19,8 @@ struct ModeSettings {
 };
 
 /// The lowest natural modes about the solver's present displacement, ascending, with the pins held; shapes are
-/// orthogonal by mass. The state is left as it is.
+/// orthogonal by mass. Particles of a one-layer sheet or a rope move within it only: what it does across is resisted
+/// by no strain. The state is left as it is.
 ///
 /// The stiffness is that of Solver::static_force, the force that a run feels, by central differences. Block method:
 /// locally optimal preconditioned conjugate gradients, Knyazev, SIAM J. Sci. Comput. 23 (2001), algorithm 4.1,
