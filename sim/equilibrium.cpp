@@ -45,12 +45,7 @@ class Search {
     for (Field* field :
          {&force_, &step_, &residual_, &answer_, &direction_, &product_, &trial_, &trial_force_})
       field->assign(n, Vec3::Zero());
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const Vec3& X : solver.state().particles.rest) {
-      low = low.cwiseMin(X);
-      high = high.cwiseMax(X);
-    }
-    size_ = n > 0 ? (high - low).norm() : 0.0;
+    size_ = extent(solver.state().particles.rest);
     evaluate(place_, force_);
   }
 

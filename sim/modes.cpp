@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -20,7 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double nudge = 2e-5;      // of a spring's length, for central differences of the force
-constexpr double shift = 1e-2;      // of the preconditioner, in (E/rho) / extent^2
 constexpr double dependent = 1e-9;  // directions of a block with less of the largest, squared
 constexpr double motionless =
     1e-6;  // of the block's highest square frequency: smaller ones need not be better than this one
@@ -50,7 +48,8 @@ class Problem {
     there_.resize(state.size());
     ahead_.resize(state.size());
     behind_.resize(state.size());
-    network_.assemble(state, place_, shift * slowest());
+    network_.assemble(state, place_);
+    size_ = extent(state.particles.rest);
   }
 
   const VectorXd& mass() const { return mass_; }
@@ -80,26 +79,6 @@ class Problem {
   }
 
  private:
-  // The least (E/rho) / extent^2 of any body [1/s^2].
-  double slowest() {
-    const State& state = solver_.state();
-    double least = std::numeric_limits<double>::infinity();
-    for (const Body& body : state.bodies) {
-      Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-      double mass = 0.0, volume = 0.0;
-      for (Index i = body.particles.begin; i < body.particles.end; ++i) {
-        low = low.cwiseMin(state.particles.rest[i]);
-        high = high.cwiseMax(state.particles.rest[i]);
-        mass += state.particles.mass[i];
-        volume += state.particles.volume[i];
-      }
-      const double young = body.young.at(state.time), squared = (high - low).squaredNorm();
-      size_ = std::max(size_, std::sqrt(squared));
-      if (young > 0.0 && squared > 0.0) least = std::min(least, young * volume / (mass * squared));
-    }
-    return std::isfinite(least) ? least : 1.0;
-  }
-
   void multiply(std::span<Vec3> field) {
     double reach = 0.0;
     for (const Vec3& v : field) reach = std::max(reach, v.norm());
@@ -138,8 +117,8 @@ class Problem {
 // The combinations of a block's columns that are orthonormal by mass; what depends on others is left out.
 MatrixXd orthonormal(const MatrixXd& block, const VectorXd& mass) {
   const MatrixXd gram = block.transpose() * (mass.asDiagonal() * block);
-  const VectorXd scale =
-      gram.diagonal().cwiseSqrt().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
+  const VectorXd scale = gram.diagonal().unaryExpr(
+      [](double squared) { return squared > 0.0 ? 1.0 / std::sqrt(squared) : 0.0; });
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * gram * scale.asDiagonal());
   Eigen::Index first = 0;
   while (eigen.eigenvalues()[first] < dependent * eigen.eigenvalues()[gram.cols() - 1]) ++first;

@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t nearest = 6;
 constexpr double reach = 1.75;        // of their mean distance
 constexpr double slack_limit = 1e-3;  // a direction with less of a particle's stiffness counts as unheld
-constexpr double least_hold = 1e-11;  // of its stiffness, that holds a particle of a free body
+constexpr double least_hold = 1e-11;  // of its stiffness, that holds a particle of any body
+constexpr double free_hold = 1e-2;    // of E / rho L^2, that holds a free body
 constexpr double dependent = 1e-3;    // aggregates' motions with less of the largest norm, squared
 constexpr Index nobody = std::numeric_limits<Index>::max();
 
@@ -35,9 +36,32 @@ double reach_of(const State& state, std::size_t i, std::vector<double>& distance
   return reach * sum / static_cast<double>(count);
 }
 
+// E / rho L^2 of a body, L its rest shape's diagonal [1/s^2].
+double slowness(const State& state, const Body& body) {
+  double mass = 0.0, volume = 0.0;
+  for (Index i = body.particles.begin; i < body.particles.end; ++i) {
+    mass += state.particles.mass[i];
+    volume += state.particles.volume[i];
+  }
+  const double length =
+      extent(std::span(state.particles.rest).subspan(body.particles.begin, body.particles.size()));
+  return length > 0.0 ? body.young.at(state.time) * volume / (mass * length * length) : 0.0;
+}
+
 }  // namespace
 
+double extent(std::span<const Vec3> points) {
+  if (points.empty()) return 0.0;
+  Vec3 low = points.front(), high = low;
+  for (const Vec3& point : points) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  return (high - low).norm();
+}
+
 SpringNetwork::SpringNetwork(const State& state) {
+  for (const Body& body : state.bodies) hold_.push_back(free_hold * slowness(state, body));
   const std::size_t n = state.size();
   std::vector<double> reaches(n), scratch;
   for (std::size_t i = 0; i < n; ++i) reaches[i] = reach_of(state, i, scratch);
@@ -87,9 +111,12 @@ void SpringNetwork::aggregate(const State& state) {
   }
 }
 
-void SpringNetwork::assemble(const State& state, std::span<const Vec3> displacement, double shift) {
+void SpringNetwork::assemble(const State& state, std::span<const Vec3> displacement) {
   const std::size_t n = state.size();
   fixed_ = state.fixed;
+  std::vector<double> shift = hold_;
+  for (std::size_t i = 0; i < n; ++i)
+    if (fixed_[i]) shift[state.particles.body[i]] = 0.0;
   ground_.resize(n);
   inverse_.resize(n);
   parallel_for_each(n, [&](std::size_t i) {
@@ -107,8 +134,9 @@ void SpringNetwork::assemble(const State& state, std::span<const Vec3> displacem
     Eigen::SelfAdjointEigenSolver<Mat3> eigen;
     eigen.computeDirect(block);
     const double largest = eigen.eigenvalues()[2];
-    ground_[i] =
-        (shift * state.particles.mass[i] + (largest > 0.0 ? least_hold * largest : 1.0)) * Mat3::Identity();
+    ground_[i] = (shift[state.particles.body[i]] * state.particles.mass[i] +
+                  (largest > 0.0 ? least_hold * largest : 1.0)) *
+                 Mat3::Identity();
     for (int k = 0; k < 2; ++k)
       if (eigen.eigenvalues()[k] < slack_limit * largest)
         ground_[i] += largest * eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();

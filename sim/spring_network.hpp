@@ -9,6 +9,9 @@
 
 namespace deforma {
 
+/// The diagonal of the box around some points [m]; 0 for none.
+double extent(std::span<const Vec3> points);
+
 /// A network of springs between near particles of a body, which answers displacements much as the body does: what
 /// iterations on the real force are preconditioned with.
 ///
@@ -21,10 +24,10 @@ class SpringNetwork {
  public:
   explicit SpringNetwork(const State& state);
 
-  /// Takes the springs' directions from where particles are.
+  /// Takes the springs' directions from where particles are. A body of which nothing is fixed is held by weak springs,
+  /// stiffness per mass E/100 rho L^2, at every particle.
   /// @param displacement u [m]                                    n
-  /// @param shift        times the mass, added to the stiffness [1/s^2]
-  void assemble(const State& state, std::span<const Vec3> displacement, double shift = 0.0);
+  void assemble(const State& state, std::span<const Vec3> displacement);
 
   /// The displacement with which the network answers a force, approximately; symmetric and positive definite.
   /// @param force    [N]                                          n
@@ -57,6 +60,7 @@ class SpringNetwork {
 
   std::vector<Index> start_;
   std::vector<Spring> springs_;  // both directions of every pair
+  std::vector<double> hold_;     // of every body while nothing of it is fixed [1/s^2]
   std::vector<std::uint8_t> fixed_;
   std::vector<Mat3> ground_,
       inverse_;               // what holds a particle without neighbours; inverse of the diagonal block
