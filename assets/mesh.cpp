@@ -27,6 +27,21 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t point) {
   return point;
 }
 
+/// Six times the volume of the tetrahedron to the middle. The corners are taken in an order of their places, so that
+/// turning a triangle round turns the sign and nothing else: an inside-out mesh has its twin's volume to the last bit.
+double six_volumes(Vector3d a, Vector3d b, Vector3d c) {
+  double sign = 1.0;
+  auto order = [&sign](Vector3d& p, Vector3d& q) {
+    if (!std::lexicographical_compare(q.begin(), q.end(), p.begin(), p.end())) return;
+    p.swap(q);
+    sign = -sign;
+  };
+  order(a, b);
+  order(b, c);
+  order(a, b);
+  return sign * a.dot(b.cross(c));
+}
+
 std::size_t count_components(const Mesh& mesh) {
   std::vector<std::uint32_t> parent(mesh.points.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -61,7 +76,7 @@ MeshFacts inspect(const Mesh& mesh) {
   Vector3d middle = 0.5 * (facts.min + facts.max);
   for (const auto& t : mesh.triangles) {
     Vector3d a = mesh.points[t[0]] - middle, b = mesh.points[t[1]] - middle, c = mesh.points[t[2]] - middle;
-    facts.volume += a.dot(b.cross(c)) / 6.0;
+    facts.volume += six_volumes(a, b, c) / 6.0;
     facts.area += 0.5 * (b - a).cross(c - a).norm();
   }
 
