@@ -37,7 +37,8 @@ SettingValue read_as(const toml::node& node, const Setting& setting, const std::
     Curve<double> read = read_number_curve(node, path);
     bool may_be_infinite = std::isinf(number->at(0.0));
     for (const auto& [time, value] : read.keys())
-      if (std::isinf(value) && !may_be_infinite) fail(node, path, fmt::format("{} is not finite", value));
+      if (std::isinf(value) && !may_be_infinite && setting.allowed.contains(value))
+        fail(node, path, fmt::format("{} is not finite", value));
     return read;
   }
   if (std::holds_alternative<Curve<Vec3>>(setting.fallback)) return read_vector_curve(node, path);
