@@ -15,9 +15,9 @@ struct Said {
   std::string text;
 };
 
-/// Runs the built program through the shell, as a user would, without any display variable.
-inline Said deforma_program(const std::string& arguments) {
-  std::string command = "env -u DISPLAY -u WAYLAND_DISPLAY " DEFORMA_PROGRAM " " + arguments + " 2>&1";
+/// Runs a line of the shell, without any display variable.
+inline Said shell(const std::string& line) {
+  std::string command = "unset DISPLAY WAYLAND_DISPLAY; exec 2>&1; " + line;
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) throw std::runtime_error("no shell");
   Said said{0, {}};
@@ -28,5 +28,8 @@ inline Said deforma_program(const std::string& arguments) {
   said.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return said;
 }
+
+/// Runs the built program through the shell, as a user would.
+inline Said deforma_program(const std::string& arguments) { return shell(DEFORMA_PROGRAM " " + arguments); }
 
 }  // namespace deforma
