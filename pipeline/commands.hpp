@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "pipeline/scene_options.hpp"
 
@@ -35,6 +36,20 @@ struct NewCommand {
   std::string file;  ///< to write; standard output when empty
 };
 int write_new_scene(const NewCommand& command);
+
+/// `deforma validate`: measures experiments whose outcome is known and holds them against it.
+struct ValidateCommand {
+  bool quick = false;                 ///< n = 4 and 6 only
+  std::vector<std::string> cases;     ///< all when empty
+  std::vector<std::string> settings;  ///< all when empty
+  std::vector<int> sizes;             ///< particles across; all when empty
+  std::string folder;                 ///< to write the table to as well; not when empty
+  std::string scenes;  ///< to write the cases' scenes to, instead of running them; not when empty
+  bool list = false;   ///< names the cases instead of running them
+  bool quiet = false;
+  int threads = 0;  ///< 0: all
+};
+int validate(const ValidateCommand& command);
 
 /// Exit codes of the program.
 enum ExitCode {

@@ -22,6 +22,7 @@ struct CommandLine {
   SceneOptions check_options;
   std::string mesh;
   NewCommand new_options;
+  ValidateCommand validate_options;
   std::function<int()> action;
 
   CommandLine() {
@@ -36,6 +37,7 @@ struct CommandLine {
     command->add_option("--from", new_options.mesh, "Fit the scene to this mesh")->type_name("MESH");
     command->add_option("-o,--output", new_options.file, "File to write; standard output by default")
         ->type_name("FILE");
+    add_validate();
     program.require_subcommand(1);
     program.set_version_flag("--version", version_text());
   }
@@ -79,6 +81,51 @@ struct CommandLine {
     command->add_flag("--overwrite", options.overwrite,
                       "Replace the frames, video and report of an earlier run");
     command->add_flag("--quiet", options.quiet, "Say nothing but errors");
+  }
+
+  void add_validate() {
+    ValidateCommand& options = validate_options;
+    CLI::App* command =
+        add("validate", "Run experiments whose outcome is known and print how far off they are",
+            [this] { return validate(validate_options); });
+    command->footer(
+        "Each line of the table compares a measured value with its reference. The default settings have a "
+        "goal and a\n"
+        "limit for their error: within the goal is 'ok', beyond it 'missed', beyond the limit 'FAILED', and "
+        "then the\n"
+        "exit code is 1. Other settings are shown beside. Every case is a scene: see --write.");
+    auto repeated = [&](CLI::Option* option, const char* type) {
+      option->type_name(type)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    };
+    command->add_flag("--quick", options.quick, "Only 4 and 6 particles across: a minute or two");
+    repeated(
+        command->add_option("--case", options.cases,
+                            "Only this case, or all whose names begin so (elastica: elastica-1 ...); may be "
+                            "repeated"),
+        "NAME");
+    repeated(
+        command->add_option("--settings", options.settings,
+                            "Only these settings: default, the other gradient's name, paper, or all; may be "
+                            "repeated"),
+        "NAME");
+    repeated(command->add_option("-n,--across", options.sizes,
+                                 "Only so many particles across: 4, 6, 8 or 10; may be repeated"),
+             "N");
+    command
+        ->add_option("-o,--output", options.folder,
+                     "Write the table to validation.md and validation.csv there too")
+        ->type_name("DIR");
+    command
+        ->add_option("--write", options.scenes,
+                     "Write the scenes of the cases (n = 6) there instead of running them")
+        ->type_name("DIR");
+    command->add_flag("--list", options.list, "Name the cases instead of running them");
+    command->add_flag("--quiet", options.quiet, "Do not tell how far it has come");
+    command
+        ->add_option("--threads", options.threads,
+                     "How many cases run side by side; as many as cores by default")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
   }
 };
 

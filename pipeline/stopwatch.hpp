@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace deforma {
 
@@ -16,6 +17,26 @@ class Stopwatch {
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The same of the processor time that the calling thread takes; read it from that thread only.
+class ThreadStopwatch {
+ public:
+  double lap() {
+    double now = thread_time();
+    double seconds = now - start_;
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  static double thread_time() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  }
+
+  double start_ = thread_time();
 };
 
 }  // namespace deforma
