@@ -22,8 +22,10 @@ constexpr double loosest = 0.05;        // relative residual of the linear syste
 constexpr double tightest = 1e-4;
 constexpr int most_products = 200;  // for one linear system
 constexpr int most_halvings = 10;
-constexpr int patience = 25;  // iterations without a better residual
-constexpr double better = 0.9;
+constexpr int patience = 25;       // iterations that bring nothing
+constexpr double better = 0.9;     // a residual that is worth something, of the best so far
+constexpr double further = 1e-4;   // a fall of the energy that is worth something, of all so far
+constexpr double farthest = 20.0;  // how far what nothing holds may go, in sizes of everything
 
 double dot(const Field& a, const Field& b) {
   double sum = 0.0;
@@ -45,6 +47,7 @@ class Search {
     for (Field* field :
          {&force_, &step_, &residual_, &answer_, &direction_, &product_, &trial_, &trial_force_})
       field->assign(n, Vec3::Zero());
+    start_ = place_;
     size_ = extent(solver.state().particles.rest);
     evaluate(place_, force_);
   }
@@ -52,8 +55,11 @@ class Search {
   int evaluations() const { return evaluations_; }
   const Field& place() const { return place_; }
   double residual() const { return std::sqrt(dot(force_, force_)); }
+  bool gone() const { return largest(place_) > farthest * size_ + largest(start_); }
+  /// Whether the last step brought the energy down, and went where it was meant to.
+  bool falls() const { return solved_ && last_fall_ > further * fall_; }
 
-  /// One Newton step, as far along as the residual, measured as the network answers it, falls.
+  /// One Newton step, as far along as the energy falls.
   void advance(double accuracy) {
     network_.assemble(solver_.state(), place_);
     solve_linear(accuracy);
@@ -61,16 +67,16 @@ class Search {
     double share = 1.0;
     if (steepness > steepest) share = steepest / steepness;
     if (reach * share > size_) share = size_ / reach;  // what nothing holds would go anywhere
-    const double before = work(force_);
     for (int halving = 0; halving <= most_halvings; ++halving, share *= 0.5) {
       for (std::size_t i = 0; i < step_.size(); ++i) trial_[i] = share * step_[i];
       if (share * steepness > worth_turning) network_.turn(trial_);
       for (std::size_t i = 0; i < step_.size(); ++i) trial_[i] += place_[i];
       evaluate(trial_, trial_force_);
-      const double after = work(trial_force_);
-      if (std::isfinite(after) && (after < before || halving == most_halvings)) break;
+      last_fall_ = work();
+      if (last_fall_ > 0.0) break;
     }
     if (!std::isfinite(dot(trial_force_, trial_force_))) return;
+    fall_ += last_fall_;
     std::swap(place_, trial_);
     std::swap(force_, trial_force_);
   }
@@ -81,9 +87,12 @@ class Search {
     ++evaluations_;
   }
 
-  double work(const Field& force) {
-    network_.solve(force, answer_);
-    return dot(force, answer_);
+  // Of the forces on the way from the place to the trial [J], by the trapezoid: what the energy falls by.
+  double work() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < place_.size(); ++i)
+      sum += 0.5 * (force_[i] + trial_force_[i]).dot(trial_[i] - place_[i]);
+    return sum;
   }
 
   // Preconditioned conjugate gradients for the step; stopped where the stiffness is not positive, with what there is.
@@ -94,7 +103,12 @@ class Search {
     direction_ = answer_;
     double size = dot(residual_, answer_);
     const double enough = accuracy * accuracy * size;
-    for (int k = 0; k < most_products && size > enough; ++k) {
+    solved_ = true;
+    for (int k = 0; size > enough; ++k) {
+      if (k == most_products) {
+        solved_ = false;
+        return;
+      }
       const double reach = largest(direction_);
       const double scale = nudge / std::max(network_.steepness(direction_), reach / size_);
       for (std::size_t i = 0; i < trial_.size(); ++i) trial_[i] = place_[i] + scale * direction_[i];
@@ -120,8 +134,11 @@ class Search {
 
   Solver& solver_;
   SpringNetwork network_;
-  double size_ = 0.0;  // of everything [m]
+  double size_ = 0.0;                    // of everything [m]
+  double fall_ = 0.0, last_fall_ = 0.0;  // of the energy [J]
+  bool solved_ = false;                  // the linear system, within the products allowed
   int evaluations_ = 0;
+  Field start_;
   Field place_, force_;                                   // now
   Field step_, residual_, answer_, direction_, product_;  // of the linear system
   Field trial_, trial_force_;
@@ -159,9 +176,11 @@ Equilibrium find_equilibrium(Solver& solver, const EquilibriumSettings& settings
       best_place = search.place();
     }
     result.converged = result.residual <= settings.tolerance;
-    waited = best < better * milestone ? 0 : waited + 1;
-    if (waited == 0) milestone = best;
-    if (result.converged || result.iterations == settings.most_iterations || waited > patience) break;
+    waited = best < better * milestone || search.falls() ? 0 : waited + 1;
+    if (best < better * milestone) milestone = best;
+    if (result.converged || result.iterations == settings.most_iterations || waited > patience ||
+        search.gone())
+      break;
     search.advance(std::clamp(0.5 * left / before, tightest, loosest));
     before = left;
     ++result.iterations;

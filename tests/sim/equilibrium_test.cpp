@@ -197,6 +197,26 @@ TEST_P(EquilibriumOf, OfWhatIsHeldEntirelyItIsWhereItIs) {
   EXPECT_EQ(found.residual, 0.0);
 }
 
+TEST_P(EquilibriumOf, ACompressedColumnIsFoundBuckled) {
+  // Far beyond Euler's strain of 0.013, and a little to one side.
+  Specimen column(GetParam(), Vec3(1.0, 0.1, 0.1), 30, 3, 3, 1000.0);
+  column.pin_below(0.04);
+  column.add("pin",
+             {{"region", Region{.min = Vec3(0.96, -1, -1)}}, {"move", Curve<Vec3>(Vec3(-0.15, 0, 1e-3))}});
+  Solver solver = column.solver();
+  Equilibrium found = find_equilibrium(solver);
+  EXPECT_TRUE(found.converged);
+  double aside = 0.0, squeezed = 1.0;
+  for (std::size_t i = 0; i < solver.state().size(); ++i) {
+    const Vec3& u = solver.state().particles.displacement[i];
+    aside = std::max(aside, std::hypot(u.y(), u.z()));
+    squeezed = std::min(squeezed, solver.state().F[i].determinant());
+  }
+  // An inextensible bar shortened by s bulges by about 2 sqrt(s L) / pi.
+  EXPECT_NEAR(aside, 2.0 * std::sqrt(0.15) / std::numbers::pi, 0.05);
+  EXPECT_GT(squeezed, 0.5);
+}
+
 TEST_P(EquilibriumOf, AFreelyFallingBodyHasNone) {
   Specimen cube(GetParam(), Vec3::Constant(0.5), 5, 5, 5, 1000.0, 0.1);
   cube.add("gravity");
