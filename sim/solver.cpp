@@ -211,8 +211,18 @@ struct Solver::Data {
     find_force(with_stress);
     std::copy(force.begin(), force.end(), answer.begin());
     exchange_motion();
-    find_near();  // the effects' lists again as the state wants them
+    recall_state();
+  }
+
+  // Effects remember what they met last: their lists and step bounds must be the state's again.
+  void recall_state() {
+    find_near();
+    if (!(needs & needs_surface)) return;
     move_surface();
+    for (Index s : state.surface.active) surface_force[s].setZero();
+    run_effects(Effect::at_surface_force,
+                [&](Effect& effect) { effect.surface_force(state, surface_force); });
+    run_effects(Effect::at_force, [&](Effect& effect) { effect.force(state, aside.force); });
   }
 
   template <typename Call>

@@ -61,7 +61,8 @@ class Solver {
   void deform(std::span<Vec3> points) const;
 
   /// The force of every effect on particles at rest at other places than the state's [N], at the state's time; zero
-  /// where particles are fixed. The state is not changed, except that contacts may forget friction that they hold.
+  /// where particles are fixed. The state is not changed, but contacts may forget what they remember: friction
+  /// held, and how deep they began.
   /// @param displacement of every particle, fixed ones too [m]    n
   /// @param force        written                                  n
   /// @throws std::invalid_argument when the lengths differ from the number of particles.

@@ -250,18 +250,29 @@ TEST(Equilibrium, RefusesSettingsOutOfRange) {
 TEST_P(EquilibriumOf, AskingForForcesElsewhereChangesNoRun) {
   Specimen bar = cantilever(GetParam(), 12, 3, 0.5);
   bar.add("damping");
+  bar.add("contact", {{"friction", Curve<double>(0.0)}, {"restitution", Curve<double>(1.0)}});
+  Obstacle floor{.name = "floor", .shape = PlaneShape{Vec3(0, 0, 1)}};
+  floor.position = Vec3(0, 0, -0.02);
+  bar.state.obstacles.push_back(floor);
   bar.add("pressure", {{"value", Curve<double>(100.0)}});
   Solver asked = bar.solver(), left_alone = bar.solver();
   std::vector<Vec3> elsewhere(asked.state().size()), force(asked.state().size());
   for (std::size_t i = 0; i < elsewhere.size(); ++i) elsewhere[i] = 0.1 * asked.state().particles.rest[i];
-  for (int frame = 0; frame < 3; ++frame) {
+  for (int frame = 0; frame < 6; ++frame) {
     asked.static_force(elsewhere, force);
     EXPECT_GT(norm(force), 0.0);
     asked.applied_load();
-    asked.advance(0.01);
-    left_alone.advance(0.01);
+    asked.advance(0.04);
+    left_alone.advance(0.04);
   }
-  EXPECT_GT(norm(asked.state().particles.displacement), 0.0);
+  Specimen without_floor = bar;
+  without_floor.state.obstacles.clear();
+  std::erase_if(without_floor.requests,
+                [](const EffectRequest& request) { return request.effect == "contact"; });
+  Solver unhindered = without_floor.solver();
+  unhindered.advance(0.24);
+  EXPECT_LT(lowest(unhindered), -0.02);
+  EXPECT_GT(lowest(asked), -0.02);
   EXPECT_EQ(asked.state().particles.displacement, left_alone.state().particles.displacement);
   EXPECT_EQ(asked.state().particles.velocity, left_alone.state().particles.velocity);
   EXPECT_EQ(asked.state().F, left_alone.state().F);
