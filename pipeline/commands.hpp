@@ -39,10 +39,11 @@ int write_new_scene(const NewCommand& command);
 
 /// `deforma validate`: measures experiments whose outcome is known and holds them against it.
 struct ValidateCommand {
-  bool quick = false;                 ///< n = 4 and 6 only
+  bool quick = false;                 ///< n = 4 and 6 only, and judged settings unless others are given
   std::vector<std::string> cases;     ///< all when empty
-  std::vector<std::string> settings;  ///< all when empty
+  std::vector<std::string> settings;  ///< names; all when empty
   std::vector<int> sizes;             ///< particles across; all when empty
+  std::vector<std::string> sets;      ///< KEY=VALUE, for every scene
   std::string folder;                 ///< to write the table to as well; not when empty
   std::string scenes;  ///< to write the cases' scenes to, instead of running them; not when empty
   bool list = false;   ///< names the cases instead of running them

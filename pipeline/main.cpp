@@ -89,15 +89,16 @@ struct CommandLine {
         add("validate", "Run experiments whose outcome is known and print how far off they are",
             [this] { return validate(validate_options); });
     command->footer(
-        "Each line of the table compares a measured value with its reference. The default settings have a "
-        "goal and a\n"
-        "limit for their error: within the goal is 'ok', beyond it 'missed', beyond the limit 'FAILED', and "
-        "then the\n"
-        "exit code is 1. Other settings are shown beside. Every case is a scene: see --write.");
+        "Each line of the table compares a measured value with its reference. The default settings have a\n"
+        "goal and a limit for their error: within the goal is 'ok', beyond it 'missed', beyond the limit\n"
+        "'FAILED', and then the exit code is 1. Other settings are shown beside, but never fail. Every case\n"
+        "is a scene: see --write.");
     auto repeated = [&](CLI::Option* option, const char* type) {
       option->type_name(type)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     };
-    command->add_flag("--quick", options.quick, "Only 4 and 6 particles across: a minute or two");
+    command->add_flag(
+        "--quick", options.quick,
+        "Only 4 and 6 particles across and, unless --settings says more, the default: a minute");
     repeated(
         command->add_option("--case", options.cases,
                             "Only this case, or all whose names begin so (elastica: elastica-1 ...); may be "
@@ -111,6 +112,10 @@ struct CommandLine {
     repeated(command->add_option("-n,--across", options.sizes,
                                  "Only so many particles across: 4, 6, 8 or 10; may be repeated"),
              "N");
+    repeated(command->add_option("--set", options.sets,
+                                 "Give a key of every scene another value, such as "
+                                 "body.0.hourglass.stiffness=3; may be repeated"),
+             "KEY=VALUE");
     command
         ->add_option("-o,--output", options.folder,
                      "Write the table to validation.md and validation.csv there too")

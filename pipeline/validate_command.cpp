@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
+#include <iterator>
 #include <mutex>
 #include <optional>
 
@@ -70,7 +72,9 @@ std::vector<const ValidationSetting*> chosen_settings(const ValidateCommand& com
     return std::find(command.settings.begin(), command.settings.end(), name) != command.settings.end();
   };
   for (const ValidationSetting& setting : validation_settings())
-    if (command.settings.empty() || asked("all") || asked(setting.name)) chosen.push_back(&setting);
+    if (asked("all") || asked(setting.name) ||
+        (command.settings.empty() && (setting.judged || !command.quick)))
+      chosen.push_back(&setting);
   return chosen;
 }
 
@@ -87,7 +91,8 @@ std::vector<Job> chosen_jobs(const ValidateCommand& command) {
     for (const ValidationSetting* setting : chosen_settings(command))
       for (Placement placement : validation_placements())
         for (int n : validated->sizes)
-          if (wanted(command, *validated, n)) jobs.push_back({validated, {setting, placement, n}});
+          if (wanted(command, *validated, n) && n <= setting->most_across)
+            jobs.push_back({validated, {setting, placement, n}});
   return jobs;
 }
 
@@ -114,7 +119,8 @@ class JobProgress {
 };
 
 /// Runs independent cases side by side, each on a thread of its own, the longest first.
-std::vector<ValidationRow> run_jobs(std::vector<Job> jobs, bool quiet) {
+std::vector<ValidationRow> run_jobs(std::vector<Job> jobs, const std::vector<Override>& overrides,
+                                    bool quiet) {
   std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.work() > b.work(); });
   std::vector<std::vector<ValidationRow>> results(jobs.size());
   JobProgress progress(jobs.size(), quiet);
@@ -124,7 +130,7 @@ std::vector<ValidationRow> run_jobs(std::vector<Job> jobs, bool quiet) {
       [&](const tbb::blocked_range<std::size_t>& block) {
         for (std::size_t k = block.begin(); k != block.end(); ++k) {
           std::size_t j = next++;  // in this order, whatever part of the range a thread has taken
-          results[j] = run_case(*jobs[j].validated, jobs[j].variant);
+          results[j] = run_case(*jobs[j].validated, jobs[j].variant, overrides);
           progress.done(jobs[j], results[j].empty() ? 0.0 : results[j].front().cpu);
         }
       },
@@ -168,7 +174,9 @@ int validate(const ValidateCommand& command) {
   std::optional<tbb::global_control> threads;
   if (command.threads > 0)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(command.threads));
-  std::vector<ValidationRow> rows = run_jobs(std::move(jobs), command.quiet);
+  std::vector<Override> overrides;
+  for (const std::string& set : command.sets) overrides.push_back(parse_override(set));
+  std::vector<ValidationRow> rows = run_jobs(std::move(jobs), overrides, command.quiet);
   fmt::print("{}", validation_text(rows));
   if (!command.folder.empty()) {
     write_text(fs::path(command.folder) / "validation.md", validation_markdown(rows));

@@ -12,6 +12,7 @@
 
 #include "pipeline/output_folder.hpp"
 #include "pipeline/stopwatch.hpp"
+#include "pipeline/user_error.hpp"
 #include "pipeline/validation_probe.hpp"
 #include "sim/equilibrium.hpp"
 
@@ -48,18 +49,21 @@ struct Outcome {
   std::string trouble;
 };
 
-Outcome simulate(const ValidationCase& validated, const ValidationVariant& variant) {
+Outcome simulate(const ValidationCase& validated, const ValidationVariant& variant,
+                 const std::vector<Override>& overrides) {
   Outcome outcome;
   try {
     Scene scene;
     World world;
     {
       ScratchFolder folder;
-      scene = load_scene(write_case(validated, variant, folder.path()));
+      scene = load_scene(write_case(validated, variant, folder.path()), overrides);
       world = build(scene);
     }
     outcome.particles = free_particles(world.solver->state());
     outcome.measured = validated.measure(scene, world, variant);
+  } catch (const UserError&) {
+    throw;  // an override that no scene takes
   } catch (const std::exception& error) {
     outcome.trouble = error.what();
   }
@@ -92,12 +96,13 @@ Verdict ValidationRow::verdict() const {
   return judge(*criterion, variant.n, value);
 }
 
-std::vector<ValidationRow> run_case(const ValidationCase& validated, const ValidationVariant& variant) {
+std::vector<ValidationRow> run_case(const ValidationCase& validated, const ValidationVariant& variant,
+                                    const std::vector<Override>& overrides) {
   // An arena of one thread: its time is then all that the case takes.
   ThreadStopwatch watch;
   Outcome outcome;
   tbb::task_arena alone(1);
-  alone.execute([&] { outcome = simulate(validated, variant); });
+  alone.execute([&] { outcome = simulate(validated, variant, overrides); });
   const double cpu = watch.lap();
 
   std::vector<ValidationRow> rows;

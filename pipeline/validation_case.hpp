@@ -65,7 +65,10 @@ struct ValidationRow {
 
 /// Runs one case on the calling thread alone: a row for each of its quantities, with what went wrong instead of a value
 /// where something did.
-std::vector<ValidationRow> run_case(const ValidationCase& validated, const ValidationVariant& variant);
+/// @param overrides keys of its scene given other values
+/// @throws UserError when the scene does not take them.
+std::vector<ValidationRow> run_case(const ValidationCase& validated, const ValidationVariant& variant,
+                                    const std::vector<Override>& overrides = {});
 
 /// Writes the scene of a case, and the mesh that it names, to a folder.
 /// @return the scene's file

@@ -34,7 +34,7 @@ Measured measure_patch(const Scene& scene, World& world, const ValidationVariant
   }
   auto effects = effects_of(scene, state);
   Solver solver(std::move(state), std::move(effects), {});
-  settle(solver, 1e-13);
+  settle(solver, 1e-12);
   const State& now = solver.state();
   double error = 0.0;
   for (std::size_t i = 0; i < now.size(); ++i)

@@ -41,9 +41,13 @@ std::string elastic(double young, double poisson, const ValidationSetting& setti
 ValidationSetting other_gradient() {
   bool quadratic = SolverSpec().gradient == gradient_name(Gradient::quadratic);
   std::string name(gradient_name(quadratic ? Gradient::linear : Gradient::quadratic));
-  return {name,  fmt::format("the {} fit of the gradient, all else as it comes with it", name),
-          false, fmt::format("gradient = \"{}\"\n", name),
-          "",    ""};
+  return {name,
+          fmt::format("the {} fit of the gradient, all else as it comes with it", name),
+          false,
+          10,
+          fmt::format("gradient = \"{}\"\n", name),
+          "",
+          ""};
 }
 
 }  // namespace
@@ -58,13 +62,13 @@ const std::vector<ValidationSetting>& validation_settings() {
   static const std::vector<ValidationSetting> settings = {
       {"default",
        fmt::format("what a scene gets that asks for nothing (gradient = \"{}\")", SolverSpec().gradient),
-       true, "", "", ""},
+       true, 10, "", "", ""},
       other_gradient(),
       {"paper",
        "the paper's: linear fit, poly6 kernel with h = 3 mean distances of the nearest 10, "
        "St.Venant-Kirchhoff, no "
        "hourglass control",
-       false, "gradient = \"linear\"\nkernel = \"poly6\"\nneighbors = 10\nsupport = 3\n",
+       false, 6, "gradient = \"linear\"\nkernel = \"poly6\"\nneighbors = 10\nsupport = 3\n",
        ", material = \"st_venant_kirchhoff\"", "hourglass = false\n"}};
   return settings;
 }

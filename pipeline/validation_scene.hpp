@@ -24,10 +24,11 @@ std::vector<Placement> validation_placements();
 struct ValidationSetting {
   std::string name;
   std::string meaning;
-  bool judged;              ///< held to goals and limits; the others are shown beside
-  std::string solver = {};  ///< lines of [solver]
-  std::string elastic;      ///< further keys of a body's `elastic`
-  std::string body = {};    ///< lines of [[body]]
+  bool judged;          ///< held to goals and limits; the others are shown beside
+  int most_across;      ///< particles; more would take too long
+  std::string solver;   ///< lines of [solver]
+  std::string elastic;  ///< further keys of a body's `elastic`
+  std::string body;     ///< lines of [[body]]
 };
 
 /// The default, the gradient that is not the default, and the paper's own choices, in this order.
