@@ -17,8 +17,6 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double bytes_per_particle =
-    2048.0;                                  // measured: with links, moments and stresses, in the simulation
 constexpr std::size_t least_by_spacing = 4;  // fewer do not span a volume
 
 void check_settings(const SamplingSettings& settings) {
@@ -28,12 +26,12 @@ void check_settings(const SamplingSettings& settings) {
     throw std::invalid_argument("particles, spacing: expected one of them above 0, found 0 for both");
 }
 
-void check_memory(const std::string& asked, double particles) {
-  double needed = particles * bytes_per_particle;
+void check_memory(const std::string& asked, double particles, double bytes_each) {
+  double needed = particles * bytes_each;
   double present = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (needed > present)
     throw std::runtime_error(fmt::format(
-        "{}: {:.4g} particles need at least {:.4g} GiB of memory, this machine has {:.4g} GiB; ask for fewer "
+        "{}: {:.4g} particles need about {:.4g} GiB of memory, this machine has {:.4g} GiB; ask for fewer "
         "particles or a wider spacing",
         asked, particles, needed / 0x1p30, present / 0x1p30));
 }
@@ -80,7 +78,7 @@ Points fill_by_spacing(const Solid& solid, Arrangement arrangement, double spaci
 
 Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings) {
   check_settings(settings);
-  check_memory("particles", static_cast<double>(settings.particles));
+  check_memory("particles", static_cast<double>(settings.particles), settings.bytes_per_particle);
   Solid solid(mesh);
   if (solid.volume() == 0.0)
     throw std::runtime_error(fmt::format("the mesh encloses no volume ({} triangles, {} boundary edges)",
@@ -92,7 +90,7 @@ Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings) {
     sampling.points = fill_by_count(solid, settings.arrangement, settings.particles);
   } else {
     check_memory(fmt::format("spacing: {} m", settings.spacing),
-                 solid.volume() / std::pow(settings.spacing, 3));
+                 solid.volume() / std::pow(settings.spacing, 3), settings.bytes_per_particle);
     sampling.points = fill_by_spacing(solid, settings.arrangement, settings.spacing);
     if (sampling.points.size() < least_by_spacing)
       refuse_spacing(solid, settings.arrangement, settings.spacing, sampling.points.size());

@@ -15,6 +15,7 @@ struct SamplingSettings {
   std::size_t particles = 0;  ///< exactly so many; 0: by spacing
   double spacing = 0.0;       ///< d [m]; used when particles is 0
   Arrangement arrangement = Arrangement::lattice;
+  double bytes_per_particle = 1024.0;  ///< of memory that each will take, to refuse more than there is
 };
 
 struct Sampling {

@@ -32,13 +32,15 @@ void refine(Mesh& mesh, const SceneBody& body) {
   while (mesh.points.size() < static_cast<std::size_t>(*body.surface_particles)) subdivide(mesh, 1);
 }
 
-Sampling sample(const SceneBody& body, const Mesh& mesh, std::vector<std::string>& warnings) {
+Sampling sample(const SceneBody& body, const Mesh& mesh, double bytes_per_particle,
+                std::vector<std::string>& warnings) {
   SamplingSettings settings;
   settings.particles = static_cast<std::size_t>(body.particles.value_or(0));
   settings.spacing = body.spacing.value_or(0.0);
   settings.arrangement = body.sampling == "lattice"         ? Arrangement::lattice
                          : body.sampling == "body_centered" ? Arrangement::body_centered
                                                             : Arrangement::blue_noise;
+  settings.bytes_per_particle = bytes_per_particle;
   try {
     Sampling sampling = sample_interior(mesh, settings);
     for (const std::string& warning : sampling.warnings)
@@ -62,8 +64,9 @@ Mesh make_body_mesh(const SceneBody& body, std::vector<std::string>& warnings) {
   return mesh;
 }
 
-void append_body(State& state, const SceneBody& body, const Mesh& mesh, std::vector<std::string>& warnings) {
-  Sampling sampling = sample(body, mesh, warnings);
+void append_body(State& state, const SceneBody& body, const Mesh& mesh, double bytes_per_particle,
+                 std::vector<std::string>& warnings) {
+  Sampling sampling = sample(body, mesh, bytes_per_particle, warnings);
   Particles& particles = state.particles;
   Surface& surface = state.surface;
   auto index = static_cast<Index>(state.bodies.size());

@@ -18,7 +18,9 @@ inline constexpr double radians_per_degree = std::numbers::pi / 180.0;
 Mesh make_body_mesh(const SceneBody& body, std::vector<std::string>& warnings);
 
 /// Fills the mesh with particles and appends body, particles and surface to the state.
+/// @param bytes_per_particle what the simulation will take for each, to refuse more than the memory holds
 /// @throws UserError with the place in the scene, when the mesh cannot be sampled.
-void append_body(State& state, const SceneBody& body, const Mesh& mesh, std::vector<std::string>& warnings);
+void append_body(State& state, const SceneBody& body, const Mesh& mesh, double bytes_per_particle,
+                 std::vector<std::string>& warnings);
 
 }  // namespace deforma

@@ -192,7 +192,9 @@ TEST(SampleRefuses, AShellThinnerThanTheSpacing) {
 
 TEST(SampleRefuses, MoreThanTheMemoryHolds) {
   expect_refused(make_sphere(1, 4), {1'000'000'000'000, 0.0},
-                 "1e+12 particles need at least 1.907e+06 GiB of memory");
+                 "1e+12 particles need about 9.537e+05 GiB of memory");
+  expect_refused(make_sphere(1, 4), {1'000'000'000, 0.0, Arrangement::lattice, 1e6},
+                 "need about 9.313e+05 GiB");
   expect_refused(make_sphere(1, 4), {0, 1e-6}, "spacing: 1e-06 m: ");
 }
 
