@@ -23,6 +23,9 @@ constexpr Bounds same(double both) { return {both, both}; }
 
 constexpr std::string_view solid_elements = "converged 3D finite elements";
 constexpr std::string_view solid_root = "converged 3D finite elements, root fully clamped";
+// 4, 6, 8 and 10 elements across: 0.36188, 0.36219, 0.36232, 0.36239 s and 0.09752, 0.09770, 0.09777, 0.09781 m.
+constexpr std::string_view brick_root =
+    "27-node bricks, up to 10 across and extrapolated, root fully clamped";
 constexpr std::string_view elastica = "elastica, Bisshopp and Drucker 1945";
 constexpr std::string_view exact = "exact";
 
@@ -49,8 +52,8 @@ const std::vector<Criterion>& validation_criteria() {
       {"clamped-bar", "first bending", "Hz", relative, 31.63, coarse, fine, solid_elements},
       {"clamped-bar", "modes below", "-", at_most, 0.0, same(0.0), same(0.0),
        "none below 0.9 x the first bending"},
-      {"dropped-beam", "period", "s", relative, 0.362, coarse, fine, solid_root},
-      {"dropped-beam", "twice the mean sag", "m", relative, 0.0975, coarse, fine, solid_root},
+      {"dropped-beam", "period", "s", relative, 0.3626, coarse, fine, brick_root},
+      {"dropped-beam", "twice the mean sag", "m", relative, 0.0979, coarse, fine, brick_root},
       {"dropped-beam",
        "period (Timoshenko)",
        "s",
@@ -61,7 +64,7 @@ const std::vector<Criterion>& validation_criteria() {
        "Timoshenko beam; SPHinXsys is 11.5 % off with 5 across and 5.0 % with 10"},
       {"dropped-beam", "twice the mean sag (Timoshenko)", "m", relative, 0.1003, unbounded, unbounded,
        "Timoshenko beam"},
-      {"dropped-beam", "largest deflection", "m", relative, 0.0980, unbounded, unbounded,
+      {"dropped-beam", "largest deflection", "m", relative, 0.0984, unbounded, unbounded,
        "0.5 % above twice the static sag: higher modes add to the first"},
       {"dropped-beam",
        "CPU for 1.2 s",

@@ -67,7 +67,7 @@ ValidationCase cook() {
       .name = "cook",
       .summary = "Cook's membrane: a tapered sheet of one layer, 16/n thick, sheared at its end",
       .sizes = {4, 6, 8, 10},
-      .small = false,
+      .small = true,
       .weight = 1.0,
       .scene = cook_scene,
       .mesh = cook_mesh,

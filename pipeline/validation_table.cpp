@@ -94,6 +94,32 @@ std::vector<std::string> troubles(const std::vector<ValidationRow>& rows) {
   return lines;
 }
 
+/// Judged quantities whose error has not fallen from the fewest to the most particles across, by more than one tenth of
+/// the limit: what is near zero may wander there.
+std::vector<std::string> not_converging(const std::vector<ValidationRow>& rows) {
+  std::vector<std::string> lines;
+  for (const ValidationRow& first : rows) {
+    const Criterion& c = *first.criterion;
+    if (!first.judged() || c.comparison != Comparison::relative || !std::isfinite(c.fine.limit)) continue;
+    const ValidationRow* least = &first;
+    const ValidationRow* most = &first;
+    for (const ValidationRow& row : rows) {
+      if (row.criterion != &c || row.variant.setting != first.variant.setting ||
+          row.variant.placement != first.variant.placement)
+        continue;
+      if (row.variant.n < least->variant.n) least = &row;
+      if (row.variant.n > most->variant.n) most = &row;
+    }
+    if (&first != least) continue;  // once for each
+    double few = std::abs(c.error(least->value)), many = std::abs(c.error(most->value));
+    if (many > few + 0.1 * c.fine.limit)
+      lines.push_back(fmt::format("{}, {}, {}: off by {:.2f} % at n = {} and {:.2f} % at n = {}", c.case_name,
+                                  c.quantity, placement_name(first.variant.placement), 100.0 * few,
+                                  least->variant.n, 100.0 * many, most->variant.n));
+  }
+  return lines;
+}
+
 std::string strains(const std::vector<ValidationRow>& rows) {
   double largest = 0.0;
   for (const ValidationRow& row : rows)
@@ -122,6 +148,7 @@ std::string paragraph(std::string_view title, const std::vector<std::string>& li
 std::string notes(const std::vector<ValidationRow>& rows, std::string_view bullet) {
   return paragraph("Settings:", settings(rows), bullet) + paragraph("References:", sources(rows), bullet) +
          paragraph("Trouble:", troubles(rows), bullet) +
+         paragraph("Not converging:", not_converging(rows), bullet) +
          fmt::format("\n{}.\n{}.\n", strains(rows), summary(rows));
 }
 
