@@ -55,6 +55,14 @@ class Curve {
   }
 
   bool varies() const { return keys_.size() > 1; }
+
+  /// Whether it takes more than one value between two times [s].
+  bool varies(double from, double to) const {
+    const T first = at(from);
+    return at(to) != first || std::any_of(keys_.begin(), keys_.end(), [&](const Key& key) {
+             return from < key.first && key.first < to && key.second != first;
+           });
+  }
   const std::vector<Key>& keys() const { return keys_; }
 
  private:

@@ -21,6 +21,11 @@ class ObstacleMotion {
   /// Velocity of the obstacle's material at a point [m/s].
   Vec3 velocity_at(const Vec3& point) const;
 
+  /// Whether it moves between two times [s].
+  bool varies(double from, double to) const {
+    return position_.varies(from, to) || rotation_.varies(from, to);
+  }
+
   double friction() const { return friction_; }
   /// Its smallest extent [m], where the shape tells it.
   double thickness() const { return thickness_; }

@@ -6,8 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
+#include "sim/energy_watch.hpp"
 #include "sim/internal_force.hpp"
+#include "sim/material.hpp"
 #include "sim/parallel.hpp"
 #include "sim/stiffness.hpp"
 
@@ -17,6 +20,9 @@ namespace {
 
 constexpr double most_substeps = 1e9;  // in one call: a step so small will never get there
 constexpr double exploded = 1e6;       // a deformation gradient this large is no deformation any more
+
+constexpr double most_strain_change = 0.2;  // in one step, relative: else the stiffness at its end is another
+constexpr double step_growth = 1.05;        // from one step to the next
 
 enum Stage { gather_strain, surface_motion, gather_force, integration, step_measurement, stage_count };
 constexpr const char* stage_names[stage_count] = {"deformation gradient", "surface", "force gather",
@@ -39,20 +45,36 @@ class Timer {
   std::chrono::steady_clock::time_point start_;
 };
 
-// The largest Frobenius norm of F among a body's particles; infinity when an entry is not finite.
-double largest_stretch(std::span<const Mat3> F, Range particles) {
-  double squared = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(particles.begin, particles.end, 4096), 0.0,
-      [&](const tbb::blocked_range<std::size_t>& block, double largest) {
+// How much stiffer than at rest a material can have become under F, but for a constant: what multiplies the moduli in
+// the second derivatives of the energies in use. The norm of F alone would not tell a pulled particle from a flattened
+// one, whose cofactors are many times larger.
+double stiffening(const Mat3& F) {
+  const Mat3 C = cofactor(F);
+  const double squared = F.squaredNorm();
+  return 0.5 + squared + C.squaredNorm() + std::abs(F.col(0).dot(C.col(0)) - 1.0) * std::sqrt(squared);
+}
+
+struct StrainNow {
+  double stiffening = 0.0;  // the largest; infinity when some F is not finite, or beyond reason
+  double change = 0.0;      // the largest since the last step, squared, relative
+};
+
+StrainNow survey(std::span<const Mat3> F, std::span<const Mat3> F_before, Range particles) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(particles.begin, particles.end, 4096), StrainNow{},
+      [&](const tbb::blocked_range<std::size_t>& block, StrainNow now) {
         for (std::size_t i = block.begin(); i != block.end(); ++i) {
-          double norm = F[i].squaredNorm();
-          if (!(norm < exploded * exploded)) return std::numeric_limits<double>::infinity();
-          largest = std::max(largest, norm);
+          const double squared = F[i].squaredNorm();
+          if (!(squared < exploded * exploded))
+            return StrainNow{std::numeric_limits<double>::infinity(), 0.0};
+          now.stiffening = std::max(now.stiffening, stiffening(F[i]));
+          now.change = std::max(now.change, (F[i] - F_before[i]).squaredNorm() / std::max(squared, 1.0));
         }
-        return largest;
+        return now;
       },
-      [](double a, double b) { return std::max(a, b); });
-  return std::sqrt(squared);
+      [](const StrainNow& a, const StrainNow& b) {
+        return StrainNow{std::max(a.stiffening, b.stiffening), std::max(a.change, b.change)};
+      });
 }
 
 void check(const SolverSettings& settings) {
@@ -81,9 +103,13 @@ struct Solver::Data {
   bool fresh = false;        // strain, near pairs and surface belong to the present state
   bool force_known = false;  // velocity Verlet: so does the force
 
+  EnergyWatch watch;
   StiffnessProbe probe;
   StiffnessProbe::Conditions conditions;  // now
   double omega = 0.0;                     // measured highest frequency [rad/s]
+  double strain_rate = 0.0;               // the largest relative change of F in the last step [1/s]
+  double strain_step_now = std::numeric_limits<double>::infinity();
+  double strain_step_before = std::numeric_limits<double>::infinity();  // in the last substep
 
   double smallest_spacing() const {
     double smallest = std::numeric_limits<double>::infinity();
@@ -94,10 +120,15 @@ struct Solver::Data {
   void find_strain() {
     if (!(needs & needs_strain)) return;
     Timer timer(statistics.stages[gather_strain]);
-    if (needs & (needs_strain_rate | needs_surface)) std::swap(state.F, F_before);
+    std::swap(state.F, F_before);
     deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
-    for (std::size_t b = 0; b < state.bodies.size(); ++b)
-      conditions.stretch[b] = largest_stretch(state.F, state.bodies[b].particles);
+    double change = 0.0;
+    for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+      const StrainNow now = survey(state.F, F_before, state.bodies[b].particles);
+      conditions.stiffening[b] = now.stiffening;
+      change = std::max(change, now.change);
+    }
+    strain_rate = last_step > 0.0 ? std::sqrt(change) / last_step : 0.0;
     if (!(needs & (needs_strain_rate | needs_surface))) return;
     if (last_step > 0.0) {
       // F is linear in u and u advanced by v dt, so this quotient is the gradient of the velocity.
@@ -266,6 +297,8 @@ struct Solver::Data {
   }
 
   void substep(double dt) {
+    if (statistics.substeps % EnergyWatch::interval == 0) refuse_energy_from_nowhere();
+    strain_step_before = strain_step_now;
     if (settings.integrator == Integrator::symplectic_euler) {
       refresh();
       refuse_divergence();
@@ -293,8 +326,8 @@ struct Solver::Data {
   }
 
   void refuse_divergence() const {
-    bool finite_strain = std::all_of(conditions.stretch.begin(), conditions.stretch.end(),
-                                     [](double stretch) { return std::isfinite(stretch); });
+    bool finite_strain = std::all_of(conditions.stiffening.begin(), conditions.stiffening.end(),
+                                     [](double stiffening) { return std::isfinite(stiffening); });
     for (std::size_t i = 0; i < state.size(); ++i) {
       bool fine = state.particles.displacement[i].allFinite() && state.particles.velocity[i].allFinite() &&
                   (finite_strain || state.F[i].squaredNorm() < exploded * exploded);
@@ -306,6 +339,35 @@ struct Solver::Data {
                       "{:g} times; lower [solver] step_fraction (now {:g}), or soften what drives it",
                       state.time, body.name, i - body.particles.begin, exploded, settings.step_fraction));
     }
+  }
+
+  void refuse_energy_from_nowhere() {
+    double kinetic = 0.0;
+    for (std::size_t i = 0; i < state.size(); ++i)
+      kinetic += 0.5 * state.particles.mass[i] * state.particles.velocity[i].squaredNorm();
+    if (!watch.wants_ledger(kinetic)) return;
+    if (!watch.alarmed(state, effects, ledger(), conditions.key)) return;
+    const std::size_t i = most_energetic(state);
+    const Body& body = state.bodies[state.particles.body[i]];
+    throw SimulationDiverged(fmt::format(
+        "the simulation went wrong by t = {:.6g} s: it has gained several times the energy that was put "
+        "in, most of it now at body '{}', particle {}; lower [solver] step_fraction (now {:g}), or soften "
+        "what drives it",
+        state.time, body.name, i - body.particles.begin, settings.step_fraction));
+  }
+
+  // Symplectic Euler's velocities stand half a step behind: beside positions they would show energies that swing by as
+  // much as the step allows.
+  Ledger ledger() {
+    refresh();
+    if (settings.integrator != Integrator::symplectic_euler || !(last_step > 0.0))
+      return measure_ledger(state, effects);
+    find_force();
+    const std::vector<Vec3> behind = state.particles.velocity;
+    kick(0.5 * last_step);
+    const Ledger ledger = measure_ledger(state, effects);
+    state.particles.velocity = behind;
+    return ledger;
   }
 
   [[noreturn]] void refuse_vanishing_step(double step) const {
@@ -341,10 +403,20 @@ struct Solver::Data {
     probe.remember(conditions);
   }
 
+  // What strain allows, up to the step fraction [s]. It may shrink at once but grows slowly: a step that followed every
+  // swing of a vibration would feed it.
+  double strain_step() {
+    measure_stiffness();
+    double step = omega > 0.0 ? 2.0 / (omega * std::sqrt(probe.growth(conditions)))
+                              : std::numeric_limits<double>::infinity();
+    if (strain_rate > 0.0) step = std::min(step, most_strain_change / strain_rate);
+    return strain_step_now = std::min(step, step_growth * strain_step_before);
+  }
+
   // Limits of springs in parallel on one mass add as the squares of their frequencies.
   double stable_step() {
-    measure_stiffness();
-    double inverse_square = 0.25 * omega * omega;
+    const double strain = strain_step();
+    double inverse_square = 1.0 / (strain * strain);
     for (const auto& effect : effects) {
       double step = effect->stable_step(state);
       inverse_square += 1.0 / (step * step);
@@ -369,14 +441,14 @@ Solver::Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const 
     d.statistics.effects.push_back({.name = std::string(effect->name())});
   }
   if (d.needs & (needs_strain_rate | needs_surface | needs_pair_stiffness)) d.needs |= needs_strain;
-  d.conditions.stretch.assign(d.state.bodies.size(), 0.0);
+  d.conditions.stiffening.assign(d.state.bodies.size(), 0.0);
   d.conditions.key.assign(d.state.bodies.size(), 0.0);
   if (d.needs & needs_strain) {
     d.P.resize(n);
     d.B.resize(n);
     if (d.needs & needs_pair_stiffness) d.pair_stiffness.assign(n, 0.0);
   }
-  if (d.needs & (needs_strain_rate | needs_surface)) d.F_before.resize(n);
+  d.F_before = d.state.F;
   if (d.needs & needs_surface) {
     d.surface_force.assign(m, Vec3::Zero());
     d.wanted.resize(m);
@@ -456,7 +528,7 @@ void Solver::deform(std::span<Vec3> points) const {
 
 const State& Solver::state() const { return data_->state; }
 
-Ledger Solver::ledger() const { return measure_ledger(data_->state, data_->effects); }
+Ledger Solver::ledger() const { return data_->ledger(); }
 
 const SolverStatistics& Solver::statistics() const {
   Data& d = *data_;

@@ -11,8 +11,8 @@ constexpr int most_iterations = 60;
 constexpr int least_iterations = 6;
 constexpr double settled = 2e-3;  // relative change of omega between iterations
 // A change since the last measurement that calls for a new one.
-constexpr double stretch_grown = 1.05;
-constexpr double stretch_shrunk = 0.80;
+constexpr double grown = 1.25;
+constexpr double shrunk = 0.65;
 constexpr double key_changed = 0.05;
 constexpr double relative_nudge = 1e-5;  // of the spacing
 
@@ -34,13 +34,19 @@ std::vector<Vec3> irregular_field(std::size_t n) {
 }  // namespace
 
 bool StiffnessProbe::stale(const Conditions& now) const {
-  if (then_.stretch.size() != now.stretch.size()) return true;
-  for (std::size_t b = 0; b < now.stretch.size(); ++b)
-    if (now.stretch[b] > stretch_grown * then_.stretch[b] ||
-        now.stretch[b] < stretch_shrunk * then_.stretch[b] ||
+  if (then_.stiffening.size() != now.stiffening.size()) return true;
+  for (std::size_t b = 0; b < now.stiffening.size(); ++b)
+    if (now.stiffening[b] > grown * then_.stiffening[b] || now.stiffening[b] < shrunk * then_.stiffening[b] ||
         std::abs(now.key[b] - then_.key[b]) >= key_changed)
       return true;
   return false;
+}
+
+double StiffnessProbe::growth(const Conditions& now) const {
+  double largest = 1.0;
+  for (std::size_t b = 0; b < then_.stiffening.size(); ++b)
+    if (then_.stiffening[b] > 0.0) largest = std::max(largest, now.stiffening[b] / then_.stiffening[b]);
+  return largest;
 }
 
 double StiffnessProbe::measure(std::span<const Vec3> displacement, std::span<const double> mass,

@@ -26,14 +26,18 @@ class StiffnessProbe {
   double measure(std::span<const Vec3> displacement, std::span<const double> mass,
                  std::span<const std::uint8_t> fixed, double scale, const Force& force);
 
-  /// What a measurement holds for, per body: its largest stretch (of F, Frobenius) and the effects' stiffness keys.
+  /// What a measurement holds for, per body: how much its strain has stiffened it, up to a factor of its own, and the
+  /// effects' stiffness keys.
   struct Conditions {
-    std::vector<double> stretch, key;
+    std::vector<double> stiffening, key;
   };
 
   /// Whether the last measurement, made under other conditions, no longer holds.
   bool stale(const Conditions& now) const;
   void remember(const Conditions& now) { then_ = now; }
+
+  /// By how much the stiffness may have grown since the last measurement, at least 1.
+  double growth(const Conditions& now) const;
 
  private:
   Conditions then_;

@@ -204,6 +204,11 @@ class ContactEffect : public Effect {
     return speed > 0.0 ? std::min(step, travel_per_step * length / speed) : step;
   }
 
+  bool driven(double from, double to) const override {
+    return std::any_of(obstacles_.begin(), obstacles_.end(),
+                       [&](const ObstacleMotion& obstacle) { return obstacle.varies(from, to); });
+  }
+
   std::size_t bytes() const override {
     std::size_t sum = points_.capacity() * sizeof(Vec3) + candidates_.capacity() * sizeof(Candidate);
     for (const ContactProperties& side : sides_) sum += side.body.bytes();

@@ -1,5 +1,7 @@
 #include "sim/effects/gravity.hpp"
 
+#include <algorithm>
+
 #include "sim/parallel.hpp"
 
 namespace deforma {
@@ -40,6 +42,11 @@ class Gravity : public Effect {
         sum -= state.particles.mass[i] * g.dot(state.particles.displacement[i]);
     }
     return sum;
+  }
+
+  bool driven(double from, double to) const override {
+    return std::any_of(pulled_.begin(), pulled_.end(),
+                       [&](const Pulled& body) { return body.acceleration.varies(from, to); });
   }
 
   std::size_t bytes() const override { return pulled_.size() * sizeof(Pulled); }

@@ -117,6 +117,11 @@ class LennardJones : public Effect {
     return stiffness_ > 0.0 ? std::min(travel, resolved * 2.0 / std::sqrt(stiffness_)) : travel;
   }
 
+  bool driven(double from, double to) const override {
+    return std::any_of(kinds_.begin(), kinds_.end(),
+                       [&](const Kind& kind) { return kind.depth.varies(from, to); });
+  }
+
   std::size_t bytes() const override {
     return pairs_.bytes() + members_.capacity() * sizeof(Index) + kinds_.capacity() * sizeof(Kind);
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -63,6 +64,12 @@ class Load : public Effect {
         sum -= state.surface.area[s] * per_area.dot(state.surface.position[s] - state.surface.rest[s]);
     }
     return sum;
+  }
+
+  bool driven(double from, double to) const override {
+    return std::any_of(patches_.begin(), patches_.end(), [&](const Patch& patch) {
+      return patch.force.varies(from, to) || patch.traction.varies(from, to);
+    });
   }
 
   std::size_t bytes() const override {

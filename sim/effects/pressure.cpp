@@ -82,6 +82,11 @@ class Pressure : public Effect {
     return largest > 0.0 ? 2.0 / std::sqrt(largest) : std::numeric_limits<double>::infinity();
   }
 
+  bool driven(double from, double to) const override {
+    return std::any_of(pressed_.begin(), pressed_.end(),
+                       [&](const Pressed& body) { return body.value.varies(from, to); });
+  }
+
   std::size_t bytes() const override {
     return start_.capacity() * sizeof(std::size_t) + around_.capacity() * sizeof(Index);
   }
