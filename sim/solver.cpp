@@ -403,12 +403,11 @@ struct Solver::Data {
     probe.remember(conditions);
   }
 
-  // What strain allows, up to the step fraction [s]. It may shrink at once but grows slowly: a step that followed every
-  // swing of a vibration would feed it.
+  // What strain allows, up to the step fraction [s]. It stays while the stiffness is about the same, may shrink at once
+  // and grows slowly: a step that followed every swing of a vibration, if only by 1 %, would feed it.
   double strain_step() {
     measure_stiffness();
-    double step = omega > 0.0 ? 2.0 / (omega * std::sqrt(probe.growth(conditions)))
-                              : std::numeric_limits<double>::infinity();
+    double step = omega > 0.0 ? 2.0 / omega : std::numeric_limits<double>::infinity();
     if (strain_rate > 0.0) step = std::min(step, most_strain_change / strain_rate);
     return strain_step_now = std::min(step, step_growth * strain_step_before);
   }

@@ -42,13 +42,6 @@ bool StiffnessProbe::stale(const Conditions& now) const {
   return false;
 }
 
-double StiffnessProbe::growth(const Conditions& now) const {
-  double largest = 1.0;
-  for (std::size_t b = 0; b < then_.stiffening.size(); ++b)
-    if (then_.stiffening[b] > 0.0) largest = std::max(largest, now.stiffening[b] / then_.stiffening[b]);
-  return largest;
-}
-
 double StiffnessProbe::measure(std::span<const Vec3> displacement, std::span<const double> mass,
                                std::span<const std::uint8_t> fixed, double scale, const Force& force) {
   std::size_t n = displacement.size();

@@ -36,9 +36,6 @@ class StiffnessProbe {
   bool stale(const Conditions& now) const;
   void remember(const Conditions& now) { then_ = now; }
 
-  /// By how much the stiffness may have grown since the last measurement, at least 1.
-  double growth(const Conditions& now) const;
-
  private:
   Conditions then_;
   std::vector<Vec3> mode_;
