@@ -18,7 +18,7 @@ ValidationCase dropped_beam() {
           .summary = "a clamped beam let go under its own weight; it swings for 1.2 s, without damping",
           .sizes = {4, 6, 8, 10},
           .small = false,
-          .weight = 20.0,
+          .weight = 100.0,
           .scene = [bar](const ValidationVariant& variant) { return bar_scene(bar, variant); },
           .mesh = {},
           .measure = [bar](const Scene& scene, World& world, const ValidationVariant& variant) -> Measured {
@@ -69,7 +69,7 @@ ValidationCase wave() {
       .summary = "a pulse of traction at one end of a free bar, L/H = 10; the time from X = 0.7 to X = 0.3",
       .sizes = {4, 6, 8, 10},
       .small = true,
-      .weight = 3.0,
+      .weight = 20.0,
       .scene = [bar](const ValidationVariant& variant) { return bar_scene(bar, variant); },
       .mesh = {},
       .measure = [bar, passage](const Scene&, World& world, const ValidationVariant&) -> Measured {
