@@ -51,13 +51,13 @@ void carried_stress(const Particles& particles, const Neighborhood& links, const
                     std::span<const Vec3> displacement, std::span<const Mat3> F, std::span<const Mat3> P,
                     std::span<const double> pair_stiffness, std::span<Mat3> B, std::span<Vec3> force) {
   if (fit.quadratic()) {
-    parallel_for_each(particles.size(), [&](std::size_t i) { B[i] = particles.volume[i] * P[i]; });
+    parallel_for_each(particles.size(), [&](std::size_t i) { B[i] = fit.weight[i] * P[i]; });
     if (!pair_stiffness.empty())
       add_trapezoid_residual(particles, links, fit, displacement, F, pair_stiffness, B, force);
     return;
   }
   parallel_for_each(particles.size(), [&](std::size_t i) {
-    B[i].noalias() = particles.volume[i] * P[i] * fit.inverse[i].transpose();
+    B[i].noalias() = fit.weight[i] * P[i] * fit.inverse[i].transpose();
     if (!pair_stiffness.empty()) B[i] -= (pair_stiffness[i] * links.length[i]) * (F[i] - fit.plane[i]);
   });
 }

@@ -39,6 +39,10 @@ void add(Particles& particles, Index into, Index from) {
   mix(particles.velocity);
   particles.mass[into] = mass;
   particles.volume[into] += particles.volume[from];
+  if (!particles.cells.empty()) {
+    particles.cells[into].first += particles.cells[from].first;
+    particles.cells[into].second += particles.cells[from].second;
+  }
 }
 
 void move(Particles& particles, Index to, Index from) {
@@ -47,6 +51,7 @@ void move(Particles& particles, Index to, Index from) {
   particles.velocity[to] = particles.velocity[from];
   particles.mass[to] = particles.mass[from];
   particles.volume[to] = particles.volume[from];
+  if (!particles.cells.empty()) particles.cells[to] = particles.cells[from];
   particles.body[to] = particles.body[from];
 }
 
@@ -56,6 +61,7 @@ void resize(Particles& particles, std::size_t n) {
   particles.velocity.resize(n);
   particles.mass.resize(n);
   particles.volume.resize(n);
+  if (!particles.cells.empty()) particles.cells.resize(n);
   particles.body.resize(n);
 }
 

@@ -6,9 +6,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <stdexcept>
 
+#include "sim/consistency.hpp"
 #include "sim/parallel.hpp"
+#include "sim/quadratic_fit.hpp"
 
 namespace deforma {
 
@@ -16,8 +19,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> names = {"linear", "quadratic"};
 constexpr double dropped_eigenvalue = 1e-4;  // of the largest: below it a direction is not spanned
-constexpr double dropped_quadratic_eigenvalue =
-    1e-6;  // of the largest: below it the neighbours do not settle the fit
+constexpr double least_weight = 0.3;         // of a particle's own cell: a negative one would be unstable
 
 struct Moment {
   Mat3 inverse = Mat3::Zero();
@@ -49,65 +51,60 @@ Moment invert(const Mat3& A) {
   return moment;
 }
 
-// Dynamic sizes with a fixed bound: neither the heap, nor the minutes of compiling that unrolled 9 x 9 products take.
-using Vec9 = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1>;
-using Mat9 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
-
-// Linear and quadratic terms of the Taylor expansion about the particle.
-Vec9 taylor_terms(const Vec3& X) {
-  Vec9 p(9);
-  p << X, 0.5 * X.x() * X.x(), 0.5 * X.y() * X.y(), 0.5 * X.z() * X.z(), X.y() * X.z(), X.z() * X.x(),
-      X.x() * X.y();
-  return p;
-}
-
-// g_ij of one particle's row: its gradient is what the linear coefficients of the weighted fit are. False when the
-// neighbours do not settle nine coefficients.
-bool quadratic_row(const Particles& particles, const Neighborhood& links, std::size_t i,
-                   std::vector<MovingLeastSquares::Pair>& pairs) {
-  Range row = links.row(i);
-  if (row.size() < 9) return false;
-  const double h = links.support[i];
-  Mat9 M = Mat9::Zero(9, 9);
-  for (Index l = row.begin; l < row.end; ++l) {
-    Vec9 p = taylor_terms((particles.rest[links.links[l].j] - particles.rest[i]) / h);
-    M += static_cast<double>(links.links[l].weight) * p * p.transpose();
-  }
-  Eigen::SelfAdjointEigenSolver<Mat9> eigen(M);
-  const auto& values = eigen.eigenvalues();  // ascending
-  if (!(values[0] > dropped_quadratic_eigenvalue * values[8])) return false;
-  const Mat9 scaled = eigen.eigenvectors() * values.cwiseInverse().asDiagonal();
-  const Mat9 gradient_rows =
-      scaled * eigen.eigenvectors().topRows(3).transpose();  // of M^-1, the linear columns
-  for (Index l = row.begin; l < row.end; ++l) {
-    Vec9 p = taylor_terms((particles.rest[links.links[l].j] - particles.rest[i]) / h);
-    pairs[l].there = links.links[l].weight / h * (gradient_rows.transpose() * p);
-  }
-  return true;
-}
-
-void fit_quadratic(const Particles& particles, const Neighborhood& links, MovingLeastSquares& fit) {
-  std::size_t n = particles.size();
-  fit.pairs.resize(links.links.size());
-  std::vector<std::uint8_t> left(n, 0);
-  parallel_for_each(n, [&](std::size_t i) {
-    left[i] = !quadratic_row(particles, links, i, fit.pairs);
+// What the strain energy at every particle weighs, so that quadratic fields integrate exactly: a cell's integral of a
+// field is V f_i + first . grad f + second : grad grad f / 2, and the fit says how the derivatives of f depend on the
+// neighbours' values. Inside, what a particle gives and takes cancels; near the surface the outermost gains.
+std::vector<double> quadrature_weights(const Particles& particles, const Neighborhood& links,
+                                       std::span<const QuadraticFit> fits, std::span<const Index> reverse) {
+  std::vector<double> share(links.links.size(), 0.0), weight(particles.volume);
+  if (particles.cells.empty()) return weight;
+  parallel_for_each(particles.size(), [&](std::size_t i) {
+    if (!fits[i].settled()) return;
+    const QuadraticFit::Terms moments = fits[i].inverse() * fits[i].integrated(particles.cells[i]);
     Range row = links.row(i);
-    if (left[i])
-      for (Index l = row.begin; l < row.end; ++l)
-        fit.pairs[l].there = fit.inverse[i].transpose() * links.links[l].vector();
+    for (Index l = row.begin; l < row.end; ++l) {
+      const Link& link = links.links[l];
+      share[l] = static_cast<double>(link.weight) *
+                 fits[i].terms(particles.rest[link.j] - particles.rest[i]).dot(moments);
+    }
   });
-  fit.linear_fits = static_cast<std::size_t>(std::count(left.begin(), left.end(), 1));
-  // Rows are ascending in j and links symmetric, so the reverse of link i -> j is found by bisection.
+  parallel_for_each(particles.size(), [&](std::size_t i) {
+    Range row = links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) weight[i] += share[reverse[l]] - share[l];
+    weight[i] = std::max(weight[i], least_weight * particles.volume[i]);
+  });
+  return weight;
+}
+
+void fit_quadratic(const Particles& particles, const Neighborhood& links, std::span<const Index> complete,
+                   MovingLeastSquares& fit) {
+  const std::size_t n = particles.size();
+  std::vector<std::optional<QuadraticFit>> made(n);
+  parallel_for_each(n, [&](std::size_t i) { made[i].emplace(particles, links, i, fit.rank[i]); });
+  std::vector<QuadraticFit> fits;
+  fits.reserve(n);
+  for (std::optional<QuadraticFit>& one : made) {
+    fit.linear_fits += !one->settled();
+    fits.push_back(*one);
+    one.reset();
+  }
+  fit.pairs.resize(links.links.size());
   parallel_for_each(n, [&](std::size_t i) {
     Range row = links.row(i);
     for (Index l = row.begin; l < row.end; ++l) {
-      Range other = links.row(links.links[l].j);
-      auto reverse = std::lower_bound(links.links.begin() + other.begin, links.links.begin() + other.end, i,
-                                      [](const Link& link, std::size_t target) { return link.j < target; });
-      fit.pairs[l].back = fit.pairs[static_cast<std::size_t>(reverse - links.links.begin())].there;
+      const Link& link = links.links[l];
+      fit.pairs[l].there =
+          fits[i].settled()
+              ? Vec3(static_cast<double>(link.weight) *
+                     fits[i].gradient_of(fits[i].terms(particles.rest[link.j] - particles.rest[i])))
+              : Vec3(fit.inverse[i].transpose() * link.vector());
     }
   });
+  const std::vector<Index> reverse = reverse_links(links);
+  parallel_for_each(links.links.size(),
+                    [&](std::size_t l) { fit.pairs[l].back = fit.pairs[reverse[l]].there; });
+  fit.weight = quadrature_weights(particles, links, fits, reverse);
+  fit.consistency = make_consistent(particles, links, complete, fits, reverse, fit);
 }
 
 }  // namespace
@@ -129,7 +126,7 @@ std::size_t MovingLeastSquares::count_below(int rank_limit) const {
 }
 
 MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Neighborhood& links,
-                                            Gradient gradient) {
+                                            Gradient gradient, std::span<const Index> complete) {
   std::size_t n = particles.size();
   if (links.size() != n)
     throw std::invalid_argument(fmt::format("{} particles but {} neighborhoods", n, links.size()));
@@ -151,7 +148,8 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
     fit.plane[i] = moment.plane;
     fit.trace[i] = A.trace();
   });
-  if (gradient == Gradient::quadratic) fit_quadratic(particles, links, fit);
+  fit.weight = particles.volume;
+  if (gradient == Gradient::quadratic) fit_quadratic(particles, links, complete, fit);
   return fit;
 }
 

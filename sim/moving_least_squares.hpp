@@ -20,6 +20,14 @@ Gradient gradient_from_name(std::string_view name);
 std::string_view gradient_name(Gradient gradient);
 std::span<const std::string_view> gradient_names();
 
+/// What became of making the gradients consistent (see consistency.hpp).
+struct Consistency {
+  std::size_t corrected = 0;  ///< particles for which the sum was made to vanish
+  std::size_t left_out = 0;   ///< in bodies with too many of them
+  int iterations = 0;         ///< of the conjugate gradients
+  double remainder = 0.0;  ///< the largest |sum_i V_i G_ik| left, of the largest before; 0 if there was none
+};
+
 /// The constant part of the least-squares gradient (eqs 6-8): grad u_i = (sum_j u_ij (W X)_ij^T) inverse_i,
 /// or, with the quadratic fit, grad u_i = sum_j u_ij g_ij^T.
 ///
@@ -36,18 +44,27 @@ struct MovingLeastSquares {
   std::vector<std::uint8_t> rank;  ///< 0 (alone), 1 (rope), 2 (sheet), 3
   std::vector<Mat3> plane;         ///< Q; the identity for rank 3
   std::vector<double> trace;       ///< tr A, dimensionless
+  std::vector<double> weight;      ///< of the strain energy at a particle [m^3]
   std::vector<Pair> pairs;         ///< beside the links, for the quadratic fit; else empty
   std::size_t linear_fits = 0;     ///< particles that the quadratic fit left to the linear one
+  Consistency consistency;
 
   bool quadratic() const { return !pairs.empty(); }
   std::size_t count_below(int rank_limit) const;
 };
 
 /// Moment matrices and their inverses, eigenvalues below 1e-4 of the largest dropped. Linear fields are
-/// reproduced to rounding (paper eqs 6-8); by the quadratic fit quadratic ones, too, wherever its nine-by-nine
-/// moment matrix has full rank (eigenvalues above 1e-6 of the largest); elsewhere the linear fit stands in.
+/// reproduced to rounding (paper eqs 6-8); by the quadratic fit quadratic ones, too, wherever the neighbours settle
+/// it (see `QuadraticFit`); elsewhere the linear fit stands in.
+///
+/// The weight with which a particle's strain energy counts is its volume. With the quadratic fit and the particles'
+/// cells known, it is corrected so that quadratic fields are integrated exactly over the body: the midpoint rule that
+/// plain volumes amount to makes a bar of n particles across 1/n^2 too soft in bending.
+///
+/// @param complete particles inside, ascending, for which the quadratic fit is made consistent (consistency.hpp)
 MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Neighborhood& links,
-                                            Gradient gradient = Gradient::linear);
+                                            Gradient gradient = Gradient::linear,
+                                            std::span<const Index> complete = {});
 
 /// F_i = Q_i + grad u_i of every particle (eqs 2, 9), with row = component of u and column = rest direction.
 /// For rank 3 this is I + grad u.

@@ -8,6 +8,12 @@
 
 namespace deforma {
 
+/// The part of a body that a particle stands for, by its moments about the particle's rest position X_i.
+struct Cell {
+  Vec3 first = Vec3::Zero();   ///< integral of X - X_i [m^4]
+  Mat3 second = Mat3::Zero();  ///< integral of (X - X_i)(X - X_i)^T [m^5]
+};
+
 /// The particles of every body, one array per quantity, all of one length n.
 ///
 /// Displacement is stored, not position, so that a body far from the origin keeps its digits.
@@ -16,7 +22,8 @@ struct Particles {
   std::vector<Vec3> displacement;  ///< u [m]; the current position is X + u
   std::vector<Vec3> velocity;      ///< v [m/s]
   std::vector<double> mass;        ///< m [kg]
-  std::vector<double> volume;      ///< V at rest [m^3]
+  std::vector<double> volume;      ///< V of its cell at rest [m^3]
+  std::vector<Cell> cells;         ///< beside the volumes, or empty where nothing is known of them
   std::vector<Index> body;         ///< which body it belongs to
 
   std::size_t size() const { return rest.size(); }

@@ -99,14 +99,14 @@ void deform_surface(const Surface& surface, const Particles& particles, const Mo
   });
 }
 
-void add_surface_force(const Surface& surface, const Particles& particles,
+void add_surface_force(const Surface& surface, const MovingLeastSquares& fit,
                        std::span<const Vec3> surface_force, std::span<Mat3> P, std::span<Vec3> force) {
   for (Index s : surface.active) {
     const Vec3& f = surface_force[s];
     if (f.isZero(0.0)) continue;
     for (const Skin::Tie& tie : surface.skin.row(s)) {
       force[tie.particle] += tie.weight * f;
-      P[tie.particle] -= (tie.weight / particles.volume[tie.particle]) * f * tie.arm.transpose();
+      P[tie.particle] -= (tie.weight / fit.weight[tie.particle]) * f * tie.arm.transpose();
     }
   }
 }

@@ -68,11 +68,12 @@ void deform_surface(const Surface& surface, const Particles& particles, const Mo
                     std::span<const Mat3> F, std::span<Vec3> points);
 
 /// The transpose: adds what a force at each active vertex does to the particles,
-///     f_i += w_i f_s,   P_i += -(w_i / V_i) f_s (X_s - X_i)^T.
+///     f_i += w_i f_s,   P_i += -(w_i / V_i) f_s (X_s - X_i)^T,
+/// V_i being the weight of the particle's strain energy.
 /// @param surface_force [N]  m
 /// @param P [Pa]             n
 /// @param force [N]          n
-void add_surface_force(const Surface& surface, const Particles& particles,
+void add_surface_force(const Surface& surface, const MovingLeastSquares& fit,
                        std::span<const Vec3> surface_force, std::span<Mat3> P, std::span<Vec3> force);
 
 /// Unit vertex normals, weighted by the angle of each corner; triangles without area are ignored, and a

@@ -192,7 +192,7 @@ struct Solver::Data {
         run_effects(Effect::at_surface_force,
                     [&](Effect& effect) { effect.surface_force(state, surface_force); });
         Timer timer(statistics.stages[surface_motion]);
-        add_surface_force(state.surface, state.particles, surface_force, P, force);
+        add_surface_force(state.surface, state.fit, surface_force, P, force);
       }
       if (with_stress)
         run_effects(Effect::at_stress,

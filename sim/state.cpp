@@ -1,12 +1,18 @@
 #include "sim/state.hpp"
 
+#include "sim/consistency.hpp"
+
 namespace deforma {
 
 void prepare_state(State& state, const NeighborhoodSettings& settings, const LinkFilter& link_allowed,
                    const LinkFilter& tie_allowed, Gradient gradient) {
   state.links = build_neighborhood(state.particles, state.bodies, settings, link_allowed);
-  state.fit = fit_moving_least_squares(state.particles, state.links, gradient);
   Surface& surface = state.surface;
+  CompleteNeighborhoods complete;
+  if (gradient == Gradient::quadratic)
+    complete = complete_neighborhoods(state.particles, state.bodies, state.links, surface);
+  state.fit = fit_moving_least_squares(state.particles, state.links, gradient, complete.particles);
+  state.fit.consistency.left_out = complete.left_out;
   surface.area = vertex_areas(surface.rest, surface.triangles);
   surface.skin = bind_skin(state.particles, state.bodies, state.links, surface.rest, tie_allowed);
   surface.position = surface.rest;

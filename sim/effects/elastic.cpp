@@ -76,7 +76,7 @@ class Elastic : public Effect {
     double sum = 0.0;
     for (const Solid& solid : solids_)
       for (Index i = solid.particles.begin; i < solid.particles.end; ++i)
-        sum += state.particles.volume[i] *
+        sum += state.fit.weight[i] *
                (state.fit.rank[i] == 3
                     ? energy_density(solid.material, solid.lame, state.F[i])
                     : reduced_energy_density(solid.lame, state.F[i], state.fit.plane[i], state.fit.rank[i]));

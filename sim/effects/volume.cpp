@@ -47,7 +47,7 @@ class Volume : public Effect {
       for (Index i = body.particles.begin; i < body.particles.end; ++i) {
         if (state.fit.rank[i] < 3) continue;
         double change = state.F[i].determinant() - 1.0;
-        sum += 0.5 * body.stiffness.at(state.time) * state.particles.volume[i] * change * change;
+        sum += 0.5 * body.stiffness.at(state.time) * state.fit.weight[i] * change * change;
       }
     return sum;
   }

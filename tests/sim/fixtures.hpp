@@ -52,6 +52,9 @@ inline State lattice_particles(const Vec3& size, int nx, int ny, int nz, double 
       for (int k = 0; k < nz; ++k) {
         Vec3 at(i + 0.5 + noise(), j + 0.5 + noise(), k + 0.5 + noise());
         p.rest.push_back(cell.cwiseProduct(at));
+        const Vec3 off = cell.cwiseProduct(Vec3(i + 0.5, j + 0.5, k + 0.5)) - p.rest.back();
+        const Mat3 own = cell.cwiseProduct(cell).asDiagonal();
+        p.cells.push_back({cell.prod() * off, cell.prod() * (own / 12.0 + off * off.transpose())});
       }
   std::size_t n = p.rest.size();
   double volume = size.prod() / static_cast<double>(n);
@@ -92,6 +95,7 @@ inline void append_body(State& state, const State& other, const Vec3& offset) {
     state.particles.velocity.push_back(other.particles.velocity[i]);
     state.particles.mass.push_back(other.particles.mass[i]);
     state.particles.volume.push_back(other.particles.volume[i]);
+    if (!other.particles.cells.empty()) state.particles.cells.push_back(other.particles.cells[i]);
     state.particles.body.push_back(other.particles.body[i] + body_shift);
   }
   for (std::size_t s = 0; s < other.surface.size(); ++s) {

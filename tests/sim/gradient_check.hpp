@@ -44,7 +44,7 @@ inline std::vector<Vec3> total_force(State& state, std::span<const std::unique_p
   std::vector<double> pair_stiffness(n, 0.0);
   std::vector<Vec3> force(n, Vec3::Zero()), surface_force(state.surface.size(), Vec3::Zero());
   for (const auto& effect : effects) effect->surface_force(state, surface_force);
-  add_surface_force(state.surface, state.particles, surface_force, P, force);
+  add_surface_force(state.surface, state.fit, surface_force, P, force);
   for (const auto& effect : effects) effect->stress(state, state.F, P, pair_stiffness);
   carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
                  pair_stiffness, B, force);

@@ -76,12 +76,12 @@ TEST(Skin, CarriesForceBackAsTheTransposeOfTheMotion) {
   double work = 0.0;
   for (std::size_t s = 0; s < surface.size(); ++s) work += surface_force[s].dot(points[s] - surface.rest[s]);
   std::vector<Mat3> P(state.size(), Mat3::Zero());
-  add_surface_force(surface, state.particles, surface_force, P, force);
+  add_surface_force(surface, state.fit, surface_force, P, force);
   double carried = 0.0;
   Vec3 total = Vec3::Zero(), expected = Vec3::Zero();
   for (std::size_t i = 0; i < state.size(); ++i) {
     carried += force[i].dot(state.particles.displacement[i]);
-    carried -= state.particles.volume[i] * P[i].cwiseProduct(state.F[i] - Mat3::Identity()).sum();
+    carried -= state.fit.weight[i] * P[i].cwiseProduct(state.F[i] - Mat3::Identity()).sum();
     total += force[i];
   }
   for (const Vec3& f : surface_force) expected += f;

@@ -1,0 +1,133 @@
+#include "sim/quadratic_fit.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/parallel.hpp"
+
+namespace deforma {
+
+namespace {
+
+constexpr double dropped_eigenvalue = 1e-6;  // of the largest: below it the neighbours do not settle the fit
+
+// x, y, z, xx/2, yy/2, zz/2, yz, zx, xy
+constexpr std::array<int, 9> all_terms = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+constexpr std::array<int, 8> two_layers = {0, 1, 2, 3, 4, 6, 7, 8};
+constexpr std::array<int, 5> sheet = {0, 1, 3, 4, 8};
+constexpr std::array<int, 2> rope = {0, 3};
+
+Eigen::Matrix<double, 9, 1> nine_terms(const Vec3& X, const Mat3& XX) {
+  Eigen::Matrix<double, 9, 1> p;
+  p << X, 0.5 * XX(0, 0), 0.5 * XX(1, 1), 0.5 * XX(2, 2), XX(1, 2), XX(2, 0), XX(0, 1);
+  return p;
+}
+
+constexpr double flat =
+    1e-20;  // eigenvalue, of the largest, of a direction in which the neighbours do not extend
+
+// Axes, the thin direction last, of neighbours that all lie on one quadric, given by its nine coefficients: for two
+// parallel layers it is the pair of their planes.
+Mat3 thin_axes(const QuadraticFit::Terms& quadric) {
+  Mat3 second;
+  second << quadric[3], quadric[8], quadric[7], quadric[8], quadric[4], quadric[6], quadric[7], quadric[6],
+      quadric[5];
+  Eigen::SelfAdjointEigenSolver<Mat3> eigen(second);
+  Mat3 axes = eigen.eigenvectors();
+  if (std::abs(eigen.eigenvalues()[0]) > std::abs(eigen.eigenvalues()[2])) axes.col(0).swap(axes.col(2));
+  return axes;
+}
+
+struct Principal {
+  Mat3 axes;    // columns, the widest first
+  Vec3 extent;  // eigenvalues
+};
+
+Principal principal_axes(const Particles& particles, const Neighborhood& links, std::size_t i) {
+  Mat3 A = Mat3::Zero();
+  Range row = links.row(i);
+  for (Index l = row.begin; l < row.end; ++l) {
+    const Vec3 X = particles.rest[links.links[l].j] - particles.rest[i];
+    A += static_cast<double>(links.links[l].weight) * X * X.transpose();
+  }
+  Eigen::SelfAdjointEigenSolver<Mat3> eigen(A);
+  return {eigen.eigenvectors().rowwise().reverse(), eigen.eigenvalues().reverse()};
+}
+
+}  // namespace
+
+QuadraticFit::QuadraticFit(const Particles& particles, const Neighborhood& links, std::size_t i, int rank)
+    : h_(links.support[i]) {
+  Terms unsettled;
+  if (fit(particles, links, i, all_terms, &unsettled)) return;
+  if (rank == 3) {
+    if (unsettled.size() == 0) return;
+    axes_ = thin_axes(unsettled);
+    fit(particles, links, i, two_layers, nullptr);
+    return;
+  }
+  const Principal principal = principal_axes(particles, links, i);
+  axes_ = principal.axes;
+  // Offsets across an almost flat sheet would take part in rotations but not in the fit.
+  if (rank == 0 || principal.extent[rank] > flat * principal.extent[0]) return;
+  fit(particles, links, i, rank == 2 ? std::span<const int>(sheet) : rope, nullptr);
+}
+
+bool QuadraticFit::fit(const Particles& particles, const Neighborhood& links, std::size_t i,
+                       std::span<const int> chosen, Terms* unsettled) {
+  chosen_ = chosen;
+  Range row = links.row(i);
+  if (row.size() < chosen_.size()) return false;
+  const auto count = static_cast<Eigen::Index>(chosen_.size());
+  Square M = Square::Zero(count, count);
+  for (Index l = row.begin; l < row.end; ++l) {
+    const Terms p = terms(particles.rest[links.links[l].j] - particles.rest[i]);
+    M += static_cast<double>(links.links[l].weight) * p * p.transpose();
+  }
+  Eigen::SelfAdjointEigenSolver<Square> eigen(M);
+  const auto& values = eigen.eigenvalues();  // ascending
+  if (!(values[0] > dropped_eigenvalue * values[count - 1])) {
+    if (unsettled) *unsettled = eigen.eigenvectors().col(0);
+    return false;
+  }
+  const Square scaled = eigen.eigenvectors() * values.cwiseInverse().asDiagonal();
+  inverse_ = scaled * eigen.eigenvectors().transpose();
+  return true;
+}
+
+QuadraticFit::Terms QuadraticFit::terms(const Vec3& offset) const {
+  const Vec3 X = axes_.transpose() * offset / h_;
+  return nine_terms(X, X * X.transpose())(chosen_);
+}
+
+Vec3 QuadraticFit::gradient_of(const Terms& terms) const {
+  Vec3 local = Vec3::Zero();
+  for (Eigen::Index k = 0; k < terms.size(); ++k)
+    if (chosen_[k] < 3) local[chosen_[k]] = inverse_.col(k).dot(terms);
+  return axes_ * local / h_;
+}
+
+QuadraticFit::Terms QuadraticFit::integrated(const Cell& cell) const {
+  const Vec3 first = axes_.transpose() * cell.first / h_;
+  const Mat3 second = axes_.transpose() * cell.second * axes_ / (h_ * h_);
+  return nine_terms(first, second)(chosen_);
+}
+
+std::vector<Index> reverse_links(const Neighborhood& links) {
+  std::vector<Index> reverse(links.links.size());
+  // Rows are ascending in j and links symmetric, so the reverse of link i -> j is found by bisection.
+  parallel_for_each(links.size(), [&](std::size_t i) {
+    Range row = links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) {
+      Range other = links.row(links.links[l].j);
+      auto place = std::lower_bound(links.links.begin() + other.begin, links.links.begin() + other.end, i,
+                                    [](const Link& link, std::size_t target) { return link.j < target; });
+      reverse[l] = static_cast<Index>(place - links.links.begin());
+    }
+  });
+  return reverse;
+}
+
+}  // namespace deforma
