@@ -13,14 +13,14 @@ using Eigen::Vector3d;
 
 constexpr std::uint32_t leaf_size = 4;
 
-double squared_distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
+Vector3d closest_on_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
   Vector3d along = b - a;
   double length = along.squaredNorm();
   double t = length > 0.0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0.0;
-  return (a + t * along - p).squaredNorm();
+  return a + t * along;
 }
 
-double squared_distance_to_triangle(const Vector3d& p, const std::array<Vector3d, 3>& corner) {
+Vector3d closest_on_triangle(const Vector3d& p, const std::array<Vector3d, 3>& corner) {
   Vector3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
   double area = normal.squaredNorm();
   bool above = area > 0.0;
@@ -28,13 +28,13 @@ double squared_distance_to_triangle(const Vector3d& p, const std::array<Vector3d
     const Vector3d &a = corner[i], &b = corner[(i + 1) % 3];
     above = normal.dot((b - a).cross(p - a)) >= 0.0;
   }
-  if (above) {
-    double height = normal.dot(p - corner[0]);
-    return height * height / area;
+  if (above) return p - normal.dot(p - corner[0]) / area * normal;
+  Vector3d best = closest_on_segment(p, corner[0], corner[1]);
+  for (int i = 1; i < 3; ++i) {
+    Vector3d other = closest_on_segment(p, corner[i], corner[(i + 1) % 3]);
+    if ((other - p).squaredNorm() < (best - p).squaredNorm()) best = other;
   }
-  return std::min({squared_distance_to_segment(p, corner[0], corner[1]),
-                   squared_distance_to_segment(p, corner[1], corner[2]),
-                   squared_distance_to_segment(p, corner[2], corner[0])});
+  return best;
 }
 
 Vector3d middle_of(const MeshTree::Triangle& t) { return (t.corner[0] + t.corner[1] + t.corner[2]) / 3.0; }
@@ -76,7 +76,13 @@ std::uint32_t MeshTree::build(std::uint32_t first, std::uint32_t count) {
 }
 
 double MeshTree::distance(const Vector3d& from, double limit) const {
-  if (nodes_.empty()) return limit;
+  std::optional<Vector3d> place = closest(from, limit);
+  return place ? (*place - from).norm() : limit;
+}
+
+std::optional<Vector3d> MeshTree::closest(const Vector3d& from, double limit) const {
+  std::optional<Vector3d> place;
+  if (nodes_.empty()) return place;
   double best = limit * limit;
   std::array<std::pair<double, std::uint32_t>, 64> waiting;
   int depth = 0;
@@ -87,7 +93,11 @@ double MeshTree::distance(const Vector3d& from, double limit) const {
     const Node& node = nodes_[at];
     if (node.right == 0) {
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-        best = std::min(best, squared_distance_to_triangle(from, triangles_[i].corner));
+        if (const Vector3d p = closest_on_triangle(from, triangles_[i].corner);
+            (p - from).squaredNorm() < best) {
+          best = (p - from).squaredNorm();
+          place = p;
+        }
       continue;
     }
     std::pair<double, std::uint32_t> near{nodes_[at + 1].box.squaredExteriorDistance(from), at + 1};
@@ -96,7 +106,7 @@ double MeshTree::distance(const Vector3d& from, double limit) const {
     waiting[depth++] = far;
     waiting[depth++] = near;
   }
-  return std::sqrt(best);
+  return place;
 }
 
 }  // namespace deforma

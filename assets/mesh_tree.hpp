@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "assets/mesh.hpp"
@@ -54,6 +55,9 @@ class MeshTree {
 
   /// Distance from a point to the nearest triangle [m], or `limit` if that is less.
   double distance(const Eigen::Vector3d& from, double limit) const;
+
+  /// The place on the triangles nearest to a point, if it is nearer than `limit` [m].
+  std::optional<Eigen::Vector3d> closest(const Eigen::Vector3d& from, double limit) const;
 
  private:
   std::uint32_t build(std::uint32_t first, std::uint32_t count);

@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "assets/blue_noise.hpp"
@@ -17,6 +19,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
+constexpr double reach_of_held = 0.9;        // spacings: to half the diagonal of a lattice's cell
 constexpr std::size_t least_by_spacing = 4;  // fewer do not span a volume
 
 void check_settings(const SamplingSettings& settings) {
@@ -24,6 +27,9 @@ void check_settings(const SamplingSettings& settings) {
     throw std::invalid_argument(fmt::format("spacing: expected above 0 m, found {}", settings.spacing));
   if (settings.particles == 0 && settings.spacing == 0.0)
     throw std::invalid_argument("particles, spacing: expected one of them above 0, found 0 for both");
+  if (!(settings.jitter >= 0.0 && settings.jitter < 0.5))
+    throw std::invalid_argument(
+        fmt::format("jitter: expected at least 0 and below 0.5 spacings, found {}", settings.jitter));
 }
 
 void check_memory(const std::string& asked, double particles, double bytes_each) {
@@ -62,6 +68,40 @@ Points fill_by_spacing(const Solid& solid, Arrangement arrangement, double spaci
   throw std::invalid_argument("arrangement: expected lattice, body_centered or blue_noise");
 }
 
+// The same numbers for the same point each time, whatever the threads.
+double uniform(std::uint64_t seed) {
+  seed += 0x9E3779B97F4A7C15ull;  // splitmix64 (Steele, Lea & Flood 2014)
+  seed = (seed ^ (seed >> 30)) * 0xBF58476D1CE4E5B9ull;
+  seed = (seed ^ (seed >> 27)) * 0x94D049BB133111EBull;
+  seed ^= seed >> 31;
+  return static_cast<double>(seed >> 11) / 4503599627370496.0 - 1.0;
+}
+
+// A point that would leave the solid is moved by less; a flat layer of points stays flat.
+void jitter(const Solid& solid, double distance, Points& points) {
+  constexpr std::uint64_t most_tries = 8;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : points) box.extend(point);
+  const Eigen::Vector3d reach = (box.sizes().array() > 1e-6 * distance).cast<double>() * distance;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::uint64_t attempt = 0; attempt < most_tries; ++attempt) {
+      const std::uint64_t seed = (i * most_tries + attempt) * 3;
+      const Eigen::Vector3d random(uniform(seed), uniform(seed + 1), uniform(seed + 2));
+      const Eigen::Vector3d moved = points[i] + reach.cwiseProduct(random) / static_cast<double>(attempt + 1);
+      if (!solid.contains(moved)) continue;
+      points[i] = moved;
+      break;
+    }
+}
+
+// What separates the first of a lattice's points from its nearest neighbour.
+double lattice_spacing(const Points& points, double fallback) {
+  double squared = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < points.size(); ++i)
+    squared = std::min(squared, (points[i] - points[0]).squaredNorm());
+  return points.size() > 1 && squared < 4.0 * fallback * fallback ? std::sqrt(squared) : fallback;
+}
+
 [[noreturn]] void refuse_spacing(const Solid& solid, Arrangement arrangement, double spacing,
                                  std::size_t found) {
   // Told with three digits, so those three are tried.
@@ -75,6 +115,12 @@ Points fill_by_spacing(const Solid& solid, Arrangement arrangement, double spaci
 }
 
 }  // namespace
+
+double Sampling::volume() const {
+  double sum = 0.0;
+  for (const CellMoments& cell : cells) sum += cell.volume;
+  return sum;
+}
 
 Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings) {
   check_settings(settings);
@@ -95,9 +141,14 @@ Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings) {
     if (sampling.points.size() < least_by_spacing)
       refuse_spacing(solid, settings.arrangement, settings.spacing, sampling.points.size());
   }
-  double share = solid.volume() / static_cast<double>(sampling.points.size());
-  sampling.volumes.assign(sampling.points.size(), share);
-  sampling.spacing = std::cbrt(share);
+  sampling.spacing = std::cbrt(solid.volume() / static_cast<double>(sampling.points.size()));
+  const bool cubic = settings.arrangement == Arrangement::lattice;
+  const double step = cubic ? lattice_spacing(sampling.points, sampling.spacing) : sampling.spacing;
+  if (settings.jitter > 0.0) jitter(solid, settings.jitter * step, sampling.points);
+  const Points held = points_on_surface(mesh, settings.held, sampling.points, reach_of_held * step);
+  sampling.points.insert(sampling.points.end(), held.begin(), held.end());
+  sampling.on_surface = held.size();
+  sampling.cells = particle_cells(solid, sampling.points, step, cubic && settings.jitter == 0.0);
   return sampling;
 }
 

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "assets/cells.hpp"
 #include "assets/mesh.hpp"
+#include "assets/surface_points.hpp"
 
 namespace deforma {
 
@@ -16,18 +18,27 @@ struct SamplingSettings {
   double spacing = 0.0;       ///< d [m]; used when particles is 0
   Arrangement arrangement = Arrangement::lattice;
   double bytes_per_particle = 1024.0;  ///< of memory that each will take, to refuse more than there is
+  double jitter = 0.0;  ///< points are moved by up to so many spacings along each axis, in [0, 0.5);
+                        ///< those of a single layer stay in it
+  std::vector<SurfacePart> held = {};  ///< where points are added on the surface itself
 };
 
 struct Sampling {
   std::vector<Eigen::Vector3d> points;  ///< inside the mesh [m]
-  std::vector<double> volumes;          ///< share of each; they add up to the mesh's volume [m^3]
-  double spacing = 0.0;                 ///< (V/N)^(1/3) [m]
+  std::vector<CellMoments> cells;       ///< of each; their volumes add up to the mesh's
+  std::size_t on_surface = 0;           ///< the last so many points were added where the surface is held
+  double spacing = 0.0;                 ///< (V/N)^(1/3), of the points inside alone [m]
   std::vector<std::string> warnings;    ///< open mesh, inside-out mesh, ...
+
+  double volume() const;  ///< of all cells [m^3]
 };
 
 /// Fills a mesh with particles; the same mesh and settings give the same particles in the same order every time.
 /// Inside is where the generalised winding number (Jacobson et al. 2013) is above one half, so that open meshes work
 /// (with a warning); an inside-out mesh is sampled as its right-way twin.
+///
+/// Points inside stop half a spacing short of the surface. Where the surface is to be held, it needs points of its own:
+/// each point inside within nine tenths of a spacing gets one where a held part of the surface is nearest to it.
 /// @throws std::invalid_argument for settings that make no sense; std::runtime_error when the mesh encloses no volume
 ///         or the spacing is too wide for it (the message says what spacing it needs) or the count asks for more memory
 ///         than is sensible (the message says how much).

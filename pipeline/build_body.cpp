@@ -32,6 +32,17 @@ void refine(Mesh& mesh, const SceneBody& body) {
   while (mesh.points.size() < static_cast<std::size_t>(*body.surface_particles)) subdivide(mesh, 1);
 }
 
+/// Where the body's pins hold its surface.
+std::vector<SurfacePart> held_parts(const SceneBody& body) {
+  std::vector<SurfacePart> parts;
+  for (const SceneEffect& effect : body.effects) {
+    if (effect.info->name != "pin") continue;
+    const Region& region = effect.parameters.region("region");
+    parts.push_back({region.min, region.max, region.center, region.radius});
+  }
+  return parts;
+}
+
 Sampling sample(const SceneBody& body, const Mesh& mesh, double bytes_per_particle,
                 std::vector<std::string>& warnings) {
   SamplingSettings settings;
@@ -41,6 +52,8 @@ Sampling sample(const SceneBody& body, const Mesh& mesh, double bytes_per_partic
                          : body.sampling == "body_centered" ? Arrangement::body_centered
                                                             : Arrangement::blue_noise;
   settings.bytes_per_particle = bytes_per_particle;
+  settings.jitter = body.jitter;
+  settings.held = held_parts(body);
   try {
     Sampling sampling = sample_interior(mesh, settings);
     for (const std::string& warning : sampling.warnings)
@@ -49,6 +62,12 @@ Sampling sample(const SceneBody& body, const Mesh& mesh, double bytes_per_partic
   } catch (const std::exception& error) {
     throw UserError(fmt::format("{}: {}", body.where, error.what()));
   }
+}
+
+/// The same volume for every particle, as if nothing were known of what it stands for.
+void share_equally(Sampling& sampling) {
+  const double share = sampling.volume() / static_cast<double>(sampling.cells.size());
+  sampling.cells.assign(sampling.cells.size(), {.volume = share});
 }
 
 }  // namespace
@@ -74,19 +93,22 @@ void append_body(State& state, const SceneBody& body, const Mesh& mesh, double b
   auto first_vertex = static_cast<Index>(surface.size());
   auto first_triangle = static_cast<Index>(surface.triangles.size());
 
-  double mass = 0.0;
+  if (body.mass_rule != "cell") share_equally(sampling);
+  double volume = 0.0;
   Vec3 moment = Vec3::Zero();
   for (std::size_t i = 0; i < sampling.points.size(); ++i) {
-    mass += body.density * sampling.volumes[i];
-    moment += body.density * sampling.volumes[i] * sampling.points[i];
+    volume += sampling.cells[i].volume;
+    moment += sampling.cells[i].volume * sampling.points[i];
   }
-  Vec3 center = moment / mass;
+  const Vec3 center = moment / volume;
   for (std::size_t i = 0; i < sampling.points.size(); ++i) {
+    const CellMoments& cell = sampling.cells[i];
     particles.rest.push_back(sampling.points[i]);
     particles.displacement.push_back(Vec3::Zero());
     particles.velocity.push_back(body.velocity + body.angular_velocity.cross(sampling.points[i] - center));
-    particles.mass.push_back(body.density * sampling.volumes[i]);
-    particles.volume.push_back(sampling.volumes[i]);
+    particles.mass.push_back(body.density * cell.volume);
+    particles.volume.push_back(cell.volume);
+    particles.cells.push_back({cell.first, cell.second});
     particles.body.push_back(index);
   }
   surface.rest.insert(surface.rest.end(), mesh.points.begin(), mesh.points.end());

@@ -64,6 +64,9 @@ struct SceneBody {
   std::optional<int> particles;   ///< exactly one of particles and spacing
   std::optional<double> spacing;  ///< [m]
   std::string sampling = "lattice";
+  double jitter = 0.0;  ///< points are moved by up to so many spacings along each axis
+  std::string mass_rule =
+      "cell";  ///< what a particle's mass and volume are: its part of the body, an equal share, or the paper's rule
   int subdivide = 0;                     ///< times
   std::optional<int> surface_particles;  ///< subdivide until there are so many vertices
   double density = 1000.0;               ///< [kg/m^3]

@@ -17,6 +17,8 @@ inline constexpr std::array<std::string_view, 2> integrator_choices = {"symplect
 inline constexpr std::array<std::string_view, 3> sampling_choices = {"lattice", "body_centered",
                                                                      "blue_noise"};
 
+inline constexpr std::array<std::string_view, 3> mass_rule_choices = {"cell", "equal", "paper"};
+
 template <typename Io>
 void describe(Io& io, OutputSpec& output) {
   io.size("size", output.width, output.height);
@@ -54,6 +56,8 @@ void describe(Io& io, SceneBody& body) {
   io.value("particles", body.particles, 1, 2000000000);
   io.value("spacing", body.spacing, Interval::positive());
   io.choice("sampling", body.sampling, sampling_choices);
+  io.value("jitter", body.jitter, Interval{0.0, 0.5, false, true});
+  io.choice("mass_rule", body.mass_rule, mass_rule_choices);
   io.value("subdivide", body.subdivide, 0, 6);
   io.value("surface_particles", body.surface_particles, 1, 10000000);
   io.value("density", body.density, Interval::positive());

@@ -39,8 +39,8 @@ void expect_sound(const Mesh& mesh, const Sampling& sampling) {
     EXPECT_TRUE(solid.contains(p)) << p.transpose();
     EXPECT_GT(solid.distance(p, 1.0), 1e-4 * sampling.spacing) << p.transpose();
   }
-  EXPECT_EQ(sampling.volumes.size(), sampling.points.size());
-  double volume = std::accumulate(sampling.volumes.begin(), sampling.volumes.end(), 0.0);
+  EXPECT_EQ(sampling.cells.size(), sampling.points.size());
+  double volume = sampling.volume();
   EXPECT_NEAR(volume, solid.volume(), 1e-9 * volume);
   EXPECT_NEAR(std::pow(sampling.spacing, 3) * static_cast<double>(sampling.points.size()), volume,
               1e-9 * volume);
@@ -124,7 +124,7 @@ TEST(Sample, InsideOutIsSampledAsItsTwin) {
   for (Arrangement arrangement : {Arrangement::lattice, Arrangement::body_centered}) {
     Sampling right = by_count(mesh, 500, arrangement), wrong = by_count(flipped(mesh), 500, arrangement);
     EXPECT_EQ(right.points, wrong.points);
-    EXPECT_EQ(right.volumes.size(), wrong.volumes.size());
+    EXPECT_EQ(right.cells.size(), wrong.cells.size());
     EXPECT_TRUE(wrong.warnings.empty());
   }
 }
@@ -135,7 +135,7 @@ TEST(Sample, OpenMeshesWorkWithAWarning) {
   Sampling sampling = by_count(open, 500);
   EXPECT_EQ(sampling.points.size(), 500u);
   EXPECT_THAT(sampling.warnings, Contains(HasSubstr("boundary edges")));
-  double volume = std::accumulate(sampling.volumes.begin(), sampling.volumes.end(), 0.0);
+  double volume = sampling.volume();
   EXPECT_NEAR(volume / inspect(make_sphere(1, 12)).volume, 1.0, 0.02);
   for (const Vector3d& p : sampling.points) EXPECT_LT(p.norm(), 1.0);
 }
@@ -146,7 +146,7 @@ TEST(Sample, OverlappingPartsShareOneLattice) {
   EXPECT_EQ(sampling.points.size(), 1000u);
   EXPECT_GT(least_distance(sampling.points), 0.9 * sampling.spacing);
   double ball = inspect(make_sphere(1, 12)).volume, lens = M_PI * 5.0 / 12.0;
-  double volume = std::accumulate(sampling.volumes.begin(), sampling.volumes.end(), 0.0);
+  double volume = sampling.volume();
   EXPECT_NEAR(volume, 2.0 * ball - lens, 0.02 * volume);
 }
 

@@ -1,0 +1,113 @@
+#include "assets/cells.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "assets/lattice.hpp"
+#include "assets/sample.hpp"
+#include "assets/shapes.hpp"
+
+namespace deforma {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+TEST(ParticleCells, OfALatticeInABoxAreItsCubes) {
+  const Solid solid(make_box({1.0, 0.6, 0.4}, 2));
+  const std::vector<Vector3d> points = lattice_by_spacing(solid, CellKind::cubic, 0.1);
+  ASSERT_EQ(points.size(), 240u);
+  for (bool lattice : {true, false})
+    for (const CellMoments& cell : particle_cells(solid, points, 0.1, lattice)) {
+      EXPECT_NEAR(cell.volume, 1e-3, 1e-12);
+      EXPECT_LT(cell.first.norm(), 1e-13);
+      EXPECT_LT((cell.second - 1e-5 / 12.0 * Matrix3d::Identity()).norm(), 1e-14);
+    }
+}
+
+TEST(ParticleCells, ShareOutVolumeAndItsMomentsWhateverThePoints) {
+  SamplingSettings settings{500, 0.0, Arrangement::blue_noise};
+  for (double jitter : {0.0, 0.3}) {
+    settings.jitter = jitter;
+    const Vector3d size(1.0, 0.5, 0.5), middle(0.3, 0.2, 0.1);
+    Mesh box = make_box(size, 2);
+    transform(box, Matrix3d::Identity(), Vector3d::Ones(), middle);
+    const Sampling sampling = sample_interior(box, settings);
+    double volume = 0.0;
+    Vector3d first = Vector3d::Zero();
+    Matrix3d second = Matrix3d::Zero();
+    for (std::size_t i = 0; i < sampling.points.size(); ++i) {
+      const CellMoments& cell = sampling.cells[i];
+      const Vector3d& X = sampling.points[i];
+      volume += cell.volume;
+      first += cell.volume * X + cell.first;
+      second += cell.volume * X * X.transpose() + cell.first * X.transpose() + X * cell.first.transpose() +
+                cell.second;
+    }
+    // The blocks overhang the box: what is counted of it is off by a part of a cube.
+    EXPECT_NEAR(volume, size.prod(), 1e-12);
+    EXPECT_LT((first / volume - middle).norm(), 2e-3);
+    second = second / volume - middle * middle.transpose();
+    for (int a = 0; a < 3; ++a)
+      EXPECT_NEAR(second(a, a), size[a] * size[a] / 12.0, 0.02 * size[a] * size[a] / 12.0);
+  }
+}
+
+TEST(ParticleCells, ReachToTheSurfaceOfABall) {
+  const Sampling sampling = sample_interior(make_ellipsoid({1, 1, 1}, 20), {600, 0.0});
+  double smallest = 1e9, largest = 0.0;
+  for (const CellMoments& cell : sampling.cells) {
+    smallest = std::min(smallest, cell.volume);
+    largest = std::max(largest, cell.volume);
+  }
+  const double share = sampling.volume() / 600.0;
+  EXPECT_GT(smallest, 0.3 * share);
+  EXPECT_LT(largest, 2.0 * share);
+  double trace = 0.0;
+  for (std::size_t i = 0; i < sampling.points.size(); ++i)
+    trace += sampling.cells[i].volume * sampling.points[i].squaredNorm() +
+             2.0 * sampling.cells[i].first.dot(sampling.points[i]) + sampling.cells[i].second.trace();
+  EXPECT_NEAR(trace / sampling.volume(), 0.6, 0.01);
+}
+
+TEST(SurfacePoints, CoverAHeldFaceAsTheParticlesBelowIt) {
+  SamplingSettings settings{0, 0.1};
+  settings.held = {{.max = Vector3d(-0.5 + 1e-9, 9, 9)}};
+  const Sampling sampling = sample_interior(make_box({1.0, 0.4, 0.4}, 2), settings);
+  EXPECT_EQ(sampling.on_surface, 16u);
+  ASSERT_EQ(sampling.points.size(), 176u);
+  for (std::size_t i = 160; i < 176; ++i) {
+    EXPECT_DOUBLE_EQ(sampling.points[i].x(), -0.5);
+    EXPECT_NEAR(std::remainder(sampling.points[i].y() - 0.05, 0.1), 0.0, 1e-12);
+    EXPECT_NEAR(std::remainder(sampling.points[i].z() - 0.05, 0.1), 0.0, 1e-12);
+  }
+  EXPECT_NEAR(sampling.volume(), 0.16, 1e-12);
+}
+
+TEST(SurfacePoints, AreNotNeededWhereParticlesAreHeldThemselves) {
+  SamplingSettings settings{0, 0.1};
+  settings.held = {{.max = Vector3d(-0.35, 9, 9)}};  // the first layer, and nothing near another
+  const Sampling sampling = sample_interior(make_box({1.0, 0.4, 0.4}, 2), settings);
+  for (std::size_t i = sampling.points.size() - sampling.on_surface; i < sampling.points.size(); ++i)
+    EXPECT_LE(sampling.points[i].x(), -0.35);
+}
+
+TEST(Jitter, MovesPointsByNoMoreThanAskedAndLeavesALayerFlat) {
+  SamplingSettings settings{0, 0.1};
+  const Sampling still = sample_interior(make_box({1.0, 0.5, 0.1}, 2), settings);
+  settings.jitter = 0.2;
+  const Sampling moved = sample_interior(make_box({1.0, 0.5, 0.1}, 2), settings);
+  ASSERT_EQ(still.points.size(), moved.points.size());
+  double most = 0.0;
+  for (std::size_t i = 0; i < still.points.size(); ++i) {
+    const Vector3d step = (moved.points[i] - still.points[i]).cwiseAbs();
+    EXPECT_LE(step.maxCoeff(), 0.02 + 1e-12);
+    EXPECT_EQ(step.z(), 0.0);
+    most = std::max(most, step.maxCoeff());
+  }
+  EXPECT_GT(most, 0.019);
+}
+
+}  // namespace
+}  // namespace deforma
