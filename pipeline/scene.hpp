@@ -27,7 +27,7 @@ struct SolverSpec {
   double step_fraction = 0.7;
   double max_step = 0.0;  ///< [s]; 0: none
   std::string kernel = "cubic_spline";
-  std::string gradient = "linear";
+  std::string gradient = "quadratic";
   std::optional<int> neighbors;   ///< what suits the gradient, and no more than there are, when absent
   std::optional<double> support;  ///< what suits the gradient when absent
 };

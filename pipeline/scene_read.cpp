@@ -71,16 +71,13 @@ bool has_effect(const std::vector<SceneEffect>& effects, std::string_view name) 
 
 /// An elastic body without hourglass control has modes that cost no energy, so it gets that one effect
 /// unasked.
-void add_hourglass(SceneBody& body, bool quadratic) {
+void add_hourglass(SceneBody& body) {
   const EffectInfo& hourglass = find_effect("hourglass");
   bool refused = std::find(body.without.begin(), body.without.end(), hourglass.name) != body.without.end();
   if (!has_effect(body.effects, "elastic") || has_effect(body.effects, hourglass.name) || refused) return;
   auto later = std::find_if(body.effects.begin(), body.effects.end(),
                             [&](const SceneEffect& e) { return e.info > &hourglass; });
-  SceneEffect added{&hourglass, Parameters(hourglass.settings), body.where + ".hourglass"};
-  // The quadratic fit's residual ignores bending, so that it can, and must, be stiffer.
-  if (quadratic) added.parameters.set("stiffness", Curve<double>(10.0));
-  body.effects.insert(later, std::move(added));
+  body.effects.insert(later, {&hourglass, Parameters(hourglass.settings), body.where + ".hourglass"});
 }
 
 Vec3 body_color(std::size_t index) {
@@ -120,7 +117,7 @@ SceneBody read_body(const toml::table& table, const Scene& scene) {
   if (body.shape) body.mesh_where = fmt::format("{}: body.shape", location(*table.get("shape")));
   if (body.name.empty())
     body.name = body.mesh ? body.mesh_file.stem().string() : std::string(body.shape->info->name);
-  add_hourglass(body, scene.solver.gradient == gradient_name(Gradient::quadratic));
+  add_hourglass(body);
   return body;
 }
 

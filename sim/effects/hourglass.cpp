@@ -14,9 +14,12 @@ namespace {
 const Setting settings[] = {
     {.key = "stiffness",
      .unit = "-",
-     .meaning = "zeta: share of Young's modulus that acts against unseen modes",
-     .fallback = Curve<double>(1.0),
-     .allowed = Interval::positive()},
+     .meaning =
+         "zeta: share of Young's modulus that acts against unseen modes; by default 10, with the linear "
+         "gradient 1",
+     .fallback = Curve<double>(10.0),
+     .allowed = Interval::positive(),
+     .derived = true},
 };
 
 class Hourglass : public Effect {
@@ -27,7 +30,11 @@ class Hourglass : public Effect {
       if (!(body.young.at(state.time) > 0.0))
         throw std::invalid_argument(fmt::format(
             "hourglass: body '{}' has no elastic table, whose Young's modulus it scales with", body.name));
-      controlled_.push_back({table.body, table.parameters.number("stiffness")});
+      // The quadratic fit's residual does not see bending, so that it can, and must, be stiffer.
+      const double usual = state.fit.quadratic() ? 10.0 : 1.0;
+      controlled_.push_back({table.body, table.parameters.given("stiffness")
+                                             ? table.parameters.number("stiffness")
+                                             : Curve<double>(usual)});
     }
   }
 
