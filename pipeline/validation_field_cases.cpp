@@ -16,10 +16,10 @@ std::vector<std::unique_ptr<Effect>> effects_of(const Scene& scene, State& state
   return make_effects(state, requests);
 }
 
-constexpr int patch_frame = 7;  // layers: twice the widest support in use, the paper's
+constexpr int patch_frame = 3;  // layers: the widest support of the quadratic fit
 
-/// A cube whose outer layers are held in an affine deformation, so thick that every particle that pulls on one that is
-/// solved for has its whole neighbourhood.
+/// A cube whose outer layers are held in an affine deformation, so thick that every particle that is solved for has its
+/// whole neighbourhood.
 Measured measure_patch(const Scene& scene, World& world, const ValidationVariant& variant) {
   Mat3 gradient;  // no symmetry: a transposed or rotated one would show
   gradient << 1.0, 2.0, -1.0, 0.5, -1.5, 1.0, -2.0, 0.7, 0.8;

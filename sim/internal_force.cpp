@@ -16,15 +16,16 @@ void add_trapezoid_residual(const Particles& particles, const Neighborhood& link
                             std::span<Vec3> force) {
   parallel_for_each(particles.size(), [&](std::size_t i) {
     const Mat3 own = F[i] - fit.plane[i];
+    const Vec3 u = displacement[i], rest = particles.rest[i];
+    const double s_own = s[i];
     Mat3 moment = Mat3::Zero();
     Vec3 sum = Vec3::Zero();
     Range row = links.row(i);
     for (Index l = row.begin; l < row.end; ++l) {
       const Link& link = links.links[l];
-      const Vec3 X = particles.rest[link.j] - particles.rest[i];
-      const Vec3 e =
-          displacement[link.j] - displacement[i] - 0.5 * ((own + (F[link.j] - fit.plane[link.j])) * X);
-      const Vec3 f = ((s[i] + s[link.j]) * link.weight) * e;
+      const Vec3 X = particles.rest[link.j] - rest;
+      const Vec3 e = displacement[link.j] - u - 0.5 * ((own + (F[link.j] - fit.plane[link.j])) * X);
+      const Vec3 f = ((s_own + s[link.j]) * link.weight) * e;
       sum += f;
       moment.noalias() += f * X.transpose();
     }
@@ -36,12 +37,10 @@ void add_trapezoid_residual(const Particles& particles, const Neighborhood& link
 void add_quadratic_force(const Neighborhood& links, const MovingLeastSquares& fit, std::span<const Mat3> B,
                          std::span<Vec3> force) {
   parallel_for_each(links.size(), [&](std::size_t i) {
-    const Mat3 own = B[i];
     Vec3 sum = Vec3::Zero();
     Range row = links.row(i);
-    for (Index l = row.begin; l < row.end; ++l)
-      sum.noalias() += own * fit.pairs[l].there - B[links.links[l].j] * fit.pairs[l].back;
-    force[i] += sum;
+    for (Index l = row.begin; l < row.end; ++l) sum.noalias() += B[links.links[l].j] * fit.pairs[l].back;
+    force[i] += B[i] * fit.sums[i] - sum;
   });
 }
 

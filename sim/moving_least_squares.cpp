@@ -105,6 +105,12 @@ void fit_quadratic(const Particles& particles, const Neighborhood& links, std::s
                     [&](std::size_t l) { fit.pairs[l].back = fit.pairs[reverse[l]].there; });
   fit.weight = quadrature_weights(particles, links, fits, reverse);
   fit.consistency = make_consistent(particles, links, complete, fits, reverse, fit);
+  fit.sums.resize(n);
+  parallel_for_each(n, [&](std::size_t i) {
+    Range row = links.row(i);
+    fit.sums[i].setZero();
+    for (Index l = row.begin; l < row.end; ++l) fit.sums[i] += fit.pairs[l].there;
+  });
 }
 
 }  // namespace
@@ -130,6 +136,8 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
   std::size_t n = particles.size();
   if (links.size() != n)
     throw std::invalid_argument(fmt::format("{} particles but {} neighborhoods", n, links.size()));
+  if (!particles.cells.empty() && particles.cells.size() != n)
+    throw std::invalid_argument(fmt::format("{} particles but {} cells", n, particles.cells.size()));
   MovingLeastSquares fit;
   fit.inverse.resize(n);
   fit.rank.resize(n);
@@ -163,17 +171,17 @@ void deformation_gradients(const Neighborhood& links, const MovingLeastSquares& 
     Mat3 sum = Mat3::Zero();
     Range row = links.row(i);
     const Vec3 own = field[i];
-    F[i] = fit.plane[i];
     if (fit.quadratic()) {
       for (Index l = row.begin; l < row.end; ++l)
-        F[i].noalias() += (field[links.links[l].j] - own) * fit.pairs[l].there.transpose();
+        sum.noalias() += (field[links.links[l].j] - own) * fit.pairs[l].there.transpose();
+      F[i] = fit.plane[i] + sum;
       return;
     }
     for (Index l = row.begin; l < row.end; ++l) {
       const Link& link = links.links[l];
       sum.noalias() += (field[link.j] - own) * link.vector().transpose();  // eq 8
     }
-    F[i].noalias() += sum * fit.inverse[i];  // eq 7
+    F[i].noalias() = fit.plane[i] + sum * fit.inverse[i];  // eq 7
   });
 }
 

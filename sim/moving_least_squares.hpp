@@ -46,6 +46,7 @@ struct MovingLeastSquares {
   std::vector<double> trace;       ///< tr A, dimensionless
   std::vector<double> weight;      ///< of the strain energy at a particle [m^3]
   std::vector<Pair> pairs;         ///< beside the links, for the quadratic fit; else empty
+  std::vector<Vec3> sums;          ///< with them, sum_j g_ij per particle [1/m]
   std::size_t linear_fits = 0;     ///< particles that the quadratic fit left to the linear one
   Consistency consistency;
 

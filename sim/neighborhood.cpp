@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,6 +15,8 @@ namespace deforma {
 
 namespace {
 
+constexpr double flat = 1e-10;  // moment across, of the largest: a hundred-thousandth of the width
+
 void check(const Particles& particles, const NeighborhoodSettings& settings) {
   if (settings.neighbors < 3)
     throw std::invalid_argument(fmt::format("neighbors must be at least 3, found {}", settings.neighbors));
@@ -25,11 +28,32 @@ void check(const Particles& particles, const NeighborhoodSettings& settings) {
       throw std::invalid_argument(fmt::format("particle {} has a rest position that is not finite", i));
 }
 
+// The k nearest of evenly spread points fill a ball; of points in a plane or on a line as many fewer lie within it, and
+// the k nearest would reach out much farther. 12 of 30 in a plane, 4 on a line: the same mean distance on a lattice.
+std::size_t as_many_as_in_space(int neighbors, int dimensions) {
+  const double k = neighbors;
+  if (dimensions == 2) return std::max<std::size_t>(3, std::lround(1.25 * std::pow(k, 2.0 / 3.0)));
+  if (dimensions == 1) return std::max<std::size_t>(2, std::lround(1.3 * std::cbrt(k)));
+  return static_cast<std::size_t>(neighbors);
+}
+
+// 1 when all particles of a body lie on a line, 2 in a plane.
+int dimensions_of(std::span<const Vec3> rest) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& X : rest) mean += X / static_cast<double>(rest.size());
+  Mat3 moment = Mat3::Zero();
+  for (const Vec3& X : rest) moment += (X - mean) * (X - mean).transpose();
+  const Vec3 extent =
+      Eigen::SelfAdjointEigenSolver<Mat3>(moment, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
+  return static_cast<int>((extent.array() > flat * extent[2]).count());
+}
+
 // h_i = support * mean distance of the k nearest others. A particle without others has no links whatever its
 // support.
 void find_supports(const PointTree& tree, const Body& body, std::span<const Vec3> rest,
                    const NeighborhoodSettings& settings, std::vector<double>& support) {
-  std::size_t k = std::min<std::size_t>(settings.neighbors, body.particles.size() - 1);
+  const int dimensions = dimensions_of(rest.subspan(body.particles.begin, body.particles.size()));
+  std::size_t k = std::min(as_many_as_in_space(settings.neighbors, dimensions), body.particles.size() - 1ul);
   parallel_for_each(body.particles.size(), [&](std::size_t local) {
     Index i = body.particles.begin + static_cast<Index>(local);
     double sum = 0.0;

@@ -39,7 +39,8 @@ struct Neighborhood {
 /// How neighbours are chosen.
 struct NeighborhoodSettings {
   Kernel kernel = Kernel::cubic_spline;
-  int neighbors = 18;    ///< k: how many nearest particles set the mean distance; clipped to N-1
+  int neighbors = 18;  ///< k: how many nearest particles set the mean distance; clipped to N-1, and in a body
+                       ///< that is flat or straight fewer, so that they lie no farther away
   double support = 1.5;  ///< h over the mean distance of the k nearest
 };
 

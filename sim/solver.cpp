@@ -536,8 +536,8 @@ const SolverStatistics& Solver::statistics() const {
   auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   d.statistics.stages[gather_strain].bytes =
       bytes(s.links.links) + bytes(s.links.start) + bytes(s.fit.inverse) + bytes(s.fit.plane) +
-      bytes(s.fit.rank) + bytes(s.fit.trace) + bytes(s.fit.pairs) + bytes(s.links.support) +
-      bytes(s.links.length) + bytes(s.F) + bytes(s.F_rate) + bytes(d.F_before);
+      bytes(s.fit.rank) + bytes(s.fit.trace) + bytes(s.fit.pairs) + bytes(s.fit.sums) +
+      bytes(s.links.support) + bytes(s.links.length) + bytes(s.F) + bytes(s.F_rate) + bytes(d.F_before);
   d.statistics.stages[surface_motion].bytes = bytes(s.surface.skin.ties) + bytes(s.surface.position) +
                                               bytes(s.surface.velocity) + bytes(s.surface.rest) +
                                               bytes(s.surface.triangles) + bytes(s.surface.skin.start) +

@@ -17,6 +17,7 @@ State repeated_cube(int times, double apart) {
   const std::size_t n = p.size();
   for (double& mass : p.mass) mass /= times;
   for (double& volume : p.volume) volume /= times;
+  for (Cell& cell : p.cells) cell = {cell.first / times, cell.second / times};
   for (int copy = 1; copy < times; ++copy)
     for (std::size_t i = 0; i < n; ++i) {
       p.rest.push_back(p.rest[i] + apart * Vec3(1, -1, 1).normalized());
@@ -24,6 +25,7 @@ State repeated_cube(int times, double apart) {
       p.velocity.push_back(Vec3::Zero());
       p.mass.push_back(p.mass[i]);
       p.volume.push_back(p.volume[i]);
+      p.cells.push_back(p.cells[i]);
       p.body.push_back(0);
     }
   state.bodies[0].particles.end = static_cast<Index>(p.size());

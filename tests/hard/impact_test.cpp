@@ -43,10 +43,6 @@ TEST(HardCase, Row17ImpactOnAWall) {
         if (integrator == Integrator::velocity_verlet) {
           EXPECT_LT(most, 1.01);
         }
-        std::printf("row 17 %s %s %.1f c: deepest %.3f d, energy %.5f\n",
-                    std::string(gradient_name(gradient)).c_str(),
-                    integrator == Integrator::velocity_verlet ? "Verlet" : "Euler ", speed, deepest / spacing,
-                    most);
       }
 }
 

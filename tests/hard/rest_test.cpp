@@ -37,9 +37,6 @@ TEST(HardCaseSlow, Row22RestingInACylinder) {
     EXPECT_LT(creep, 0.01 * spacing);
     EXPECT_LT(lowest, 0.7 * spacing) << "it lies on the bottom";
     EXPECT_GT(lowest, 0.0);
-    std::printf("row 22 %s: t = %.1f s, creep %.2e d, kinetic %.2e m g d\n",
-                std::string(gradient_name(gradient)).c_str(), solver.state().time, creep / spacing,
-                0.5 * fastest * fastest / (g * spacing));
   }
 }
 
@@ -78,10 +75,6 @@ TEST(HardCaseSlow, Row24FreeRotation) {
     EXPECT_LT(std::max(drift[0], drift[1]), 1e-3);
     EXPECT_LT(drift[1], 2.0 * drift[0]) << "bounded";
     EXPECT_TRUE(finite_everywhere(solver.state()));
-    std::printf("row 24 %s: p %.1e, L %.1e, E %.1e then %.1e\n", std::string(gradient_name(gradient)).c_str(),
-                (after.linear_momentum - before.linear_momentum).norm() / size,
-                (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(),
-                drift[0], drift[1]);
   }
 }
 
