@@ -24,6 +24,14 @@ double rounding(const State& state, const Ledger& base) {
 
 }  // namespace
 
+bool EnergyWatch::wants_ledger(const Particles& particles) const {
+  if (!based_) return true;
+  double kinetic = 0.0;
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    kinetic += 0.5 * particles.mass[i] * particles.velocity[i].squaredNorm();
+  return kinetic > 2.0 * kinetic_seen_;
+}
+
 EnergyWatch::Held EnergyWatch::held(const State& state) {
   Held held;
   for (std::size_t i = 0; i < state.size(); ++i) {
@@ -65,19 +73,6 @@ bool EnergyWatch::alarmed(const State& state, std::span<const std::unique_ptr<Ef
     created += change;
   }
   return created > created_share * exchanged + rounding(state, ledger_);
-}
-
-std::size_t most_energetic(const State& state) {
-  const Particles& p = state.particles;
-  std::size_t best = 0;
-  double most = -1.0;
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    const double energy = p.mass[i] * p.velocity[i].squaredNorm();
-    if (energy <= most) continue;
-    most = energy;
-    best = i;
-  }
-  return best;
 }
 
 }  // namespace deforma

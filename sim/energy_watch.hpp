@@ -25,8 +25,8 @@ class EnergyWatch {
   /// Substeps from one look at the kinetic energy to the next.
   static constexpr std::uint64_t interval = 16;
 
-  /// @param kinetic [J]
-  bool wants_ledger(double kinetic) const { return !based_ || kinetic > 2.0 * kinetic_seen_; }
+  /// Whether the energies are worth a look.
+  bool wants_ledger(const Particles& particles) const;
 
   /// @param ledger         the energies now
   /// @param stiffness_keys of all effects, per body
@@ -51,8 +51,5 @@ class EnergyWatch {
   Held held_;                  // then
   double kinetic_seen_ = 0.0;  // the most since [J]
 };
-
-/// The particle with the most kinetic energy.
-std::size_t most_energetic(const State& state);
 
 }  // namespace deforma

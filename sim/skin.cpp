@@ -99,6 +99,24 @@ void deform_surface(const Surface& surface, const Particles& particles, const Mo
   });
 }
 
+void move_active(Surface& surface, const Particles& particles, const MovingLeastSquares& fit,
+                 std::span<const Mat3> F, std::span<const Mat3> F_rate) {
+  parallel_for_each(
+      surface.active.size(),
+      [&](std::size_t a) {
+        Index s = surface.active[a];
+        Vec3 u = Vec3::Zero(), v = Vec3::Zero();
+        for (const Skin::Tie& tie : surface.skin.row(s)) {  // eq 25, and its rate
+          Index i = tie.particle;
+          u += tie.weight * (particles.displacement[i] + (F[i] - fit.plane[i]) * tie.arm);
+          v += tie.weight * (particles.velocity[i] + F_rate[i] * tie.arm);
+        }
+        surface.position[s] = surface.rest[s] + u;
+        surface.velocity[s] = v;
+      },
+      64);
+}
+
 void add_surface_force(const Surface& surface, const MovingLeastSquares& fit,
                        std::span<const Vec3> surface_force, std::span<Mat3> P, std::span<Vec3> force) {
   for (Index s : surface.active) {

@@ -67,6 +67,12 @@ Vec3 skinned_point(const Skin& skin, std::size_t s, const Vec3& rest, std::span<
 void deform_surface(const Surface& surface, const Particles& particles, const MovingLeastSquares& fit,
                     std::span<const Mat3> F, std::span<Vec3> points);
 
+/// Finds position and velocity of every active vertex: eq 25, and its rate.
+/// @param F      deformation gradient                n
+/// @param F_rate its rate [1/s]                      n
+void move_active(Surface& surface, const Particles& particles, const MovingLeastSquares& fit,
+                 std::span<const Mat3> F, std::span<const Mat3> F_rate);
+
 /// The transpose: adds what a force at each active vertex does to the particles,
 ///     f_i += w_i f_s,   P_i += -(w_i / V_i) f_s (X_s - X_i)^T,
 /// V_i being the weight of the particle's strain energy.

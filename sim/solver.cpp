@@ -1,81 +1,29 @@
 #include "sim/solver.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_reduce.h>
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "sim/energy_watch.hpp"
 #include "sim/internal_force.hpp"
-#include "sim/material.hpp"
+#include "sim/memory.hpp"
+#include "sim/motion.hpp"
 #include "sim/parallel.hpp"
-#include "sim/stiffness.hpp"
+#include "sim/step_control.hpp"
 
 namespace deforma {
 
 namespace {
 
 constexpr double most_substeps = 1e9;  // in one call: a step so small will never get there
-constexpr double exploded = 1e6;       // a deformation gradient this large is no deformation any more
-
-constexpr double most_strain_change = 0.2;  // in one step, relative: else the stiffness at its end is another
-constexpr double step_growth = 1.05;        // from one step to the next
 
 enum Stage { gather_strain, surface_motion, gather_force, integration, step_measurement, stage_count };
 constexpr const char* stage_names[stage_count] = {"deformation gradient", "surface", "force gather",
                                                   "integration", "step measurement"};
-
-class Timer {
- public:
-  explicit Timer(SolverStatistics::Pass& pass) : pass_(pass), start_(std::chrono::steady_clock::now()) {}
-  ~Timer() {
-    pass_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    pass_.calls += counted_;
-  }
-  void discount() { counted_ = 0; }  // what was timed did nothing
-  Timer(const Timer&) = delete;
-  Timer& operator=(const Timer&) = delete;
-
- private:
-  SolverStatistics::Pass& pass_;
-  std::uint64_t counted_ = 1;
-  std::chrono::steady_clock::time_point start_;
-};
-
-// How much stiffer than at rest a material can have become under F, but for a constant: what multiplies the moduli in
-// the second derivatives of the energies in use. The norm of F alone would not tell a pulled particle from a flattened
-// one, whose cofactors are many times larger.
-double stiffening(const Mat3& F) {
-  const Mat3 C = cofactor(F);
-  const double squared = F.squaredNorm();
-  return 0.5 + squared + C.squaredNorm() + std::abs(F.col(0).dot(C.col(0)) - 1.0) * std::sqrt(squared);
-}
-
-struct StrainNow {
-  double stiffening = 0.0;  // the largest; infinity when some F is not finite, or beyond reason
-  double change = 0.0;      // the largest since the last step, squared, relative
-};
-
-StrainNow survey(std::span<const Mat3> F, std::span<const Mat3> F_before, Range particles) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(particles.begin, particles.end, 4096), StrainNow{},
-      [&](const tbb::blocked_range<std::size_t>& block, StrainNow now) {
-        for (std::size_t i = block.begin(); i != block.end(); ++i) {
-          const double squared = F[i].squaredNorm();
-          if (!(squared < exploded * exploded))
-            return StrainNow{std::numeric_limits<double>::infinity(), 0.0};
-          now.stiffening = std::max(now.stiffening, stiffening(F[i]));
-          now.change = std::max(now.change, (F[i] - F_before[i]).squaredNorm() / std::max(squared, 1.0));
-        }
-        return now;
-      },
-      [](const StrainNow& a, const StrainNow& b) {
-        return StrainNow{std::max(a.stiffening, b.stiffening), std::max(a.change, b.change)};
-      });
-}
 
 void check(const SolverSettings& settings) {
   if (!(settings.step_fraction > 0.0 && settings.step_fraction <= 1.0))
@@ -98,37 +46,21 @@ struct Solver::Data {
   std::vector<Mat3> P, B, F_before;
   std::vector<double> pair_stiffness;
   std::vector<Vec3> force, surface_force;
+  Motion aside;                   // while forces are asked for elsewhere: the state's own
+  std::vector<Vec3> force_aside;  // and its force
   std::vector<std::uint8_t> wanted;
   double last_step = 0.0;    // that F_before lies behind F [s]
   bool fresh = false;        // strain, near pairs and surface belong to the present state
   bool force_known = false;  // velocity Verlet: so does the force
-
   EnergyWatch watch;
-  StiffnessProbe probe;
-  StiffnessProbe::Conditions conditions;  // now
-  double omega = 0.0;                     // measured highest frequency [rad/s]
-  double strain_rate = 0.0;               // the largest relative change of F in the last step [1/s]
-  double strain_step_now = std::numeric_limits<double>::infinity();
-  double strain_step_before = std::numeric_limits<double>::infinity();  // in the last substep
-
-  double smallest_spacing() const {
-    double smallest = std::numeric_limits<double>::infinity();
-    for (const Body& body : state.bodies) smallest = std::min(smallest, body.spacing);
-    return smallest;
-  }
+  StepControl control;
 
   void find_strain() {
     if (!(needs & needs_strain)) return;
-    Timer timer(statistics.stages[gather_strain]);
+    PassTimer timer(statistics.stages[gather_strain]);
     std::swap(state.F, F_before);
     deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
-    double change = 0.0;
-    for (std::size_t b = 0; b < state.bodies.size(); ++b) {
-      const StrainNow now = survey(state.F, F_before, state.bodies[b].particles);
-      conditions.stiffening[b] = now.stiffening;
-      change = std::max(change, now.change);
-    }
-    strain_rate = last_step > 0.0 ? std::sqrt(change) / last_step : 0.0;
+    control.observe(state, F_before, last_step);
     if (!(needs & (needs_strain_rate | needs_surface))) return;
     if (last_step > 0.0) {
       // F is linear in u and u advanced by v dt, so this quotient is the gradient of the velocity.
@@ -156,22 +88,8 @@ struct Solver::Data {
 
   void move_surface() {
     if (!(needs & needs_surface)) return;
-    Timer timer(statistics.stages[surface_motion]);
-    Surface& surface = state.surface;
-    parallel_for_each(
-        surface.active.size(),
-        [&](std::size_t a) {
-          Index s = surface.active[a];
-          Vec3 u = Vec3::Zero(), v = Vec3::Zero();
-          for (const Skin::Tie& tie : surface.skin.row(s)) {  // eq 25, and its rate
-            Index i = tie.particle;
-            u += tie.weight * (state.particles.displacement[i] + (state.F[i] - state.fit.plane[i]) * tie.arm);
-            v += tie.weight * (state.particles.velocity[i] + state.F_rate[i] * tie.arm);
-          }
-          surface.position[s] = surface.rest[s] + u;
-          surface.velocity[s] = v;
-        },
-        64);
+    PassTimer timer(statistics.stages[surface_motion]);
+    move_active(state.surface, state.particles, state.fit, state.F, state.F_rate);
   }
 
   // What the forces at the present state depend on; once per state, or the rate of F would be lost.
@@ -191,7 +109,7 @@ struct Solver::Data {
         for (Index s : state.surface.active) surface_force[s].setZero();
         run_effects(Effect::at_surface_force,
                     [&](Effect& effect) { effect.surface_force(state, surface_force); });
-        Timer timer(statistics.stages[surface_motion]);
+        PassTimer timer(statistics.stages[surface_motion]);
         add_surface_force(state.surface, state.fit, surface_force, P, force);
       }
       if (with_stress)
@@ -199,7 +117,7 @@ struct Solver::Data {
                     [&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
       else
         std::fill(pair_stiffness.begin(), pair_stiffness.end(), 0.0);
-      Timer timer(statistics.stages[gather_force]);
+      PassTimer timer(statistics.stages[gather_force]);
       carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
                      pair_stiffness, B, force);
       add_internal_force(state.links, state.fit, B, pair_stiffness, state.particles.displacement, force);
@@ -207,41 +125,19 @@ struct Solver::Data {
     run_effects(Effect::at_force, [&](Effect& effect) { effect.force(state, force); });
   }
 
-  // What depends on where particles are and how they move: exchanged for another while forces are asked for there.
-  struct Motion {
-    std::vector<Vec3> displacement, velocity;
-    std::vector<Mat3> F, F_rate;
-    std::vector<Vec3> position, surface_velocity;
-    std::vector<Vec3> force;
-  };
-  Motion aside;
-
-  void exchange_motion() {
-    std::swap(state.particles.displacement, aside.displacement);
-    std::swap(state.particles.velocity, aside.velocity);
-    std::swap(state.F, aside.F);
-    std::swap(state.F_rate, aside.F_rate);
-    std::swap(state.surface.position, aside.position);
-    std::swap(state.surface.velocity, aside.surface_velocity);
-    std::swap(force, aside.force);
-  }
-
   void find_static_force(std::span<const Vec3> displacement, std::span<Vec3> answer, bool with_stress) {
     refresh();  // what is put aside belongs together
-    aside.displacement.assign(displacement.begin(), displacement.end());
-    aside.velocity.assign(state.size(), Vec3::Zero());
-    aside.F.resize(state.F.size());
-    aside.F_rate.assign(state.F_rate.size(), Mat3::Zero());
-    aside.position.resize(state.surface.position.size());
-    aside.surface_velocity.resize(state.surface.velocity.size());
-    aside.force.resize(state.size());
-    exchange_motion();
+    aside.rest_at(displacement, state);
+    force_aside.resize(state.size());
+    aside.exchange(state);
+    std::swap(force, force_aside);
     if (needs & needs_strain) deformation_gradients(state.links, state.fit, displacement, state.F);
     find_near();
     move_surface();
     find_force(with_stress);
     std::copy(force.begin(), force.end(), answer.begin());
-    exchange_motion();
+    aside.exchange(state);
+    std::swap(force, force_aside);
     recall_state();
   }
 
@@ -253,14 +149,14 @@ struct Solver::Data {
     for (Index s : state.surface.active) surface_force[s].setZero();
     run_effects(Effect::at_surface_force,
                 [&](Effect& effect) { effect.surface_force(state, surface_force); });
-    run_effects(Effect::at_force, [&](Effect& effect) { effect.force(state, aside.force); });
+    run_effects(Effect::at_force, [&](Effect& effect) { effect.force(state, force_aside); });
   }
 
   template <typename Call>
   void run_effects(Effect::Stage stage, const Call& call) {
     for (std::size_t e = 0; e < effects.size(); ++e) {
       if (!effects[e]->takes_part(stage)) continue;
-      Timer timer(statistics.effects[e]);
+      PassTimer timer(statistics.effects[e]);
       call(*effects[e]);
       if (!effects[e]->takes_part(stage)) timer.discount();
     }
@@ -287,7 +183,7 @@ struct Solver::Data {
   // Leaves everything at the new time, held particles included.
   void advance_motion(double kick_time, double dt) {
     {
-      Timer timer(statistics.stages[integration]);
+      PassTimer timer(statistics.stages[integration]);
       kick(kick_time);
       drift(dt);
     }
@@ -298,10 +194,10 @@ struct Solver::Data {
 
   void substep(double dt) {
     if (statistics.substeps % EnergyWatch::interval == 0) refuse_energy_from_nowhere();
-    strain_step_before = strain_step_now;
+    control.begin_substep();
     if (settings.integrator == Integrator::symplectic_euler) {
       refresh();
-      refuse_divergence();
+      refuse_wrong_state();
       find_force();
       // The velocity stands half a step behind: with a step that changes, the kick spans the halves on both
       // sides, or every change would pump energy in or out.
@@ -313,10 +209,10 @@ struct Solver::Data {
       }
       advance_motion(0.5 * dt, dt);
       refresh();
-      refuse_divergence();
+      refuse_wrong_state();
       find_force();
       force_known = true;
-      Timer timer(statistics.stages[integration]);
+      PassTimer timer(statistics.stages[integration]);
       kick(0.5 * dt);
     }
     run_effects(Effect::at_finish, [&](Effect& effect) { effect.finish(state, dt); });
@@ -325,35 +221,11 @@ struct Solver::Data {
     statistics.largest_step = std::max(statistics.largest_step, dt);
   }
 
-  void refuse_divergence() const {
-    bool finite_strain = std::all_of(conditions.stiffening.begin(), conditions.stiffening.end(),
-                                     [](double stiffening) { return std::isfinite(stiffening); });
-    for (std::size_t i = 0; i < state.size(); ++i) {
-      bool fine = state.particles.displacement[i].allFinite() && state.particles.velocity[i].allFinite() &&
-                  (finite_strain || state.F[i].squaredNorm() < exploded * exploded);
-      if (fine) continue;
-      const Body& body = state.bodies[state.particles.body[i]];
-      throw SimulationDiverged(
-          fmt::format("the simulation diverged at t = {:.6g} s: body '{}', particle {} is no longer finite "
-                      "or is stretched beyond "
-                      "{:g} times; lower [solver] step_fraction (now {:g}), or soften what drives it",
-                      state.time, body.name, i - body.particles.begin, exploded, settings.step_fraction));
-    }
-  }
+  void refuse_wrong_state() const { refuse_divergence(state, control.finite(), settings.step_fraction); }
 
   void refuse_energy_from_nowhere() {
-    double kinetic = 0.0;
-    for (std::size_t i = 0; i < state.size(); ++i)
-      kinetic += 0.5 * state.particles.mass[i] * state.particles.velocity[i].squaredNorm();
-    if (!watch.wants_ledger(kinetic)) return;
-    if (!watch.alarmed(state, effects, ledger(), conditions.key)) return;
-    const std::size_t i = most_energetic(state);
-    const Body& body = state.bodies[state.particles.body[i]];
-    throw SimulationDiverged(fmt::format(
-        "the simulation went wrong by t = {:.6g} s: it has gained several times the energy that was put "
-        "in, most of it now at body '{}', particle {}; lower [solver] step_fraction (now {:g}), or soften "
-        "what drives it",
-        state.time, body.name, i - body.particles.begin, settings.step_fraction));
+    if (watch.wants_ledger(state.particles) && watch.alarmed(state, effects, ledger(), control.keys()))
+      refuse_energy(state, settings.step_fraction);
   }
 
   // Symplectic Euler's velocities stand half a step behind: beside positions they would show energies that swing by as
@@ -370,15 +242,6 @@ struct Solver::Data {
     return ledger;
   }
 
-  [[noreturn]] void refuse_vanishing_step(double step) const {
-    refuse_divergence();
-    throw SimulationDiverged(
-        fmt::format("the simulation cannot go on at t = {:.6g} s: its stable step has fallen to {:.3g} s; "
-                    "something moves or is "
-                    "stiff beyond reason: look at velocities, 'young' and contact 'stiffness'",
-                    state.time, step));
-  }
-
   // The force that answers strain alone, at other displacements than the state's.
   void strain_force(std::span<const Vec3> displacement, std::span<Vec3> answer, std::vector<Mat3>& F) {
     deformation_gradients(state.links, state.fit, displacement, F);
@@ -392,29 +255,17 @@ struct Solver::Data {
 
   void measure_stiffness() {
     if (!(needs & needs_strain)) return;
-    std::fill(conditions.key.begin(), conditions.key.end(), 0.0);
-    for (const auto& effect : effects) effect->stiffness_key(state, conditions.key);
-    if (!probe.stale(conditions)) return;
-    Timer timer(statistics.stages[step_measurement]);
+    if (!control.stale(state, effects)) return;
+    PassTimer timer(statistics.stages[step_measurement]);
     std::vector<Mat3> F(state.size());
-    omega =
-        probe.measure(state.particles.displacement, state.particles.mass, state.fixed, smallest_spacing(),
-                      [&](std::span<const Vec3> u, std::span<Vec3> answer) { strain_force(u, answer, F); });
-    probe.remember(conditions);
-  }
-
-  // What strain allows, up to the step fraction [s]. It stays while the stiffness is about the same, may shrink at once
-  // and grows slowly: a step that followed every swing of a vibration, if only by 1 %, would feed it.
-  double strain_step() {
-    measure_stiffness();
-    double step = omega > 0.0 ? 2.0 / omega : std::numeric_limits<double>::infinity();
-    if (strain_rate > 0.0) step = std::min(step, most_strain_change / strain_rate);
-    return strain_step_now = std::min(step, step_growth * strain_step_before);
+    control.measure(state,
+                    [&](std::span<const Vec3> u, std::span<Vec3> answer) { strain_force(u, answer, F); });
   }
 
   // Limits of springs in parallel on one mass add as the squares of their frequencies.
   double stable_step() {
-    const double strain = strain_step();
+    measure_stiffness();
+    const double strain = control.step();
     double inverse_square = 1.0 / (strain * strain);
     for (const auto& effect : effects) {
       double step = effect->stable_step(state);
@@ -440,8 +291,7 @@ Solver::Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const 
     d.statistics.effects.push_back({.name = std::string(effect->name())});
   }
   if (d.needs & (needs_strain_rate | needs_surface | needs_pair_stiffness)) d.needs |= needs_strain;
-  d.conditions.stiffening.assign(d.state.bodies.size(), 0.0);
-  d.conditions.key.assign(d.state.bodies.size(), 0.0);
+  d.control = StepControl(d.state.bodies.size());
   if (d.needs & needs_strain) {
     d.P.resize(n);
     d.B.resize(n);
@@ -464,17 +314,19 @@ void Solver::advance(double seconds) {
   if (!(seconds >= 0.0) || !std::isfinite(seconds))
     throw std::invalid_argument(fmt::format("cannot advance by {} s", seconds));
   const double end = d.state.time + seconds;
-  double remaining = seconds;
-  while (remaining > 0.0) {
+  for (double remaining = seconds; remaining > 0.0;) {
     double count = std::max(1.0, std::ceil(remaining / d.stable_step() - 1e-9));
-    if (!(count < most_substeps)) d.refuse_vanishing_step(remaining / count);
+    if (!(count < most_substeps)) {
+      d.refuse_wrong_state();
+      refuse_step(d.state, remaining / count);
+    }
     double dt = remaining / count;
     d.substep(dt);
     remaining = count > 1.0 ? remaining - dt : 0.0;
   }
   d.state.time = end;
   d.refresh();
-  d.refuse_divergence();
+  d.refuse_wrong_state();
 }
 
 void Solver::static_force(std::span<const Vec3> displacement, std::span<Vec3> force) {
@@ -532,21 +384,12 @@ Ledger Solver::ledger() const { return data_->ledger(); }
 const SolverStatistics& Solver::statistics() const {
   Data& d = *data_;
   for (std::size_t e = 0; e < d.effects.size(); ++e) d.statistics.effects[e].bytes = d.effects[e]->bytes();
-  const State& s = d.state;
-  auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  d.statistics.stages[gather_strain].bytes =
-      bytes(s.links.links) + bytes(s.links.start) + bytes(s.fit.inverse) + bytes(s.fit.plane) +
-      bytes(s.fit.rank) + bytes(s.fit.trace) + bytes(s.fit.pairs) + bytes(s.fit.sums) +
-      bytes(s.links.support) + bytes(s.links.length) + bytes(s.F) + bytes(s.F_rate) + bytes(d.F_before);
-  d.statistics.stages[surface_motion].bytes = bytes(s.surface.skin.ties) + bytes(s.surface.position) +
-                                              bytes(s.surface.velocity) + bytes(s.surface.rest) +
-                                              bytes(s.surface.triangles) + bytes(s.surface.skin.start) +
-                                              bytes(d.surface_force) + bytes(d.wanted);
-  d.statistics.stages[gather_force].bytes =
-      bytes(d.P) + bytes(d.B) + bytes(d.pair_stiffness) + bytes(d.force);
-  d.statistics.stages[integration].bytes = bytes(s.particles.rest) + bytes(s.particles.displacement) +
-                                           bytes(s.particles.velocity) + bytes(s.particles.mass) +
-                                           bytes(s.particles.volume);
+  auto& stages = d.statistics.stages;
+  stages[gather_strain].bytes = strain_bytes(d.state) + bytes_of(d.F_before);
+  stages[surface_motion].bytes =
+      surface_bytes(d.state.surface) + bytes_of(d.surface_force) + bytes_of(d.wanted);
+  stages[gather_force].bytes = bytes_of(d.P) + bytes_of(d.B) + bytes_of(d.pair_stiffness) + bytes_of(d.force);
+  stages[integration].bytes = particle_bytes(d.state.particles);
   return d.statistics;
 }
 

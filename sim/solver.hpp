@@ -1,17 +1,17 @@
 #pragma once
 
 #include <memory>
-#include <string>
+#include <span>
 #include <vector>
 
+#include "sim/divergence.hpp"
 #include "sim/effect.hpp"
 #include "sim/ledger.hpp"
 #include "sim/state.hpp"
+#include "sim/statistics.hpp"
 
 namespace deforma {
 
-/// Both take one force a substep. Velocity Verlet is second order and keeps energy when the substep changes, as it does at
-/// every impact; symplectic Euler is the paper's (eqs 22-24, with the new velocity in the last).
 /// Both take one force a substep. Velocity Verlet is second order and keeps energy when the substep changes, as it
 /// does at every impact; symplectic Euler is the paper's (eqs 22-24, with the new velocity in the last).
 enum class Integrator { symplectic_euler, velocity_verlet };
@@ -20,27 +20,6 @@ struct SolverSettings {
   Integrator integrator = Integrator::velocity_verlet;
   double step_fraction = 0.7;  ///< of the measured stability limit
   double max_step = 0.0;       ///< upper bound of the substep [s]; 0: none
-};
-
-/// What the solver has done so far.
-struct SolverStatistics {
-  std::uint64_t substeps = 0;
-  double smallest_step = 0.0;  ///< [s]
-  double largest_step = 0.0;   ///< [s]
-  struct Pass {
-    std::string name;  ///< a stage of the solver, or an effect
-    std::uint64_t calls = 0;
-    double seconds = 0.0;
-    std::size_t bytes = 0;  ///< memory held
-  };
-  std::vector<Pass> effects;  ///< in running order
-  std::vector<Pass> stages;   ///< deformation gradient, surface, force gather, integration, step measurement
-};
-
-/// Thrown when a run goes wrong: the state is no longer finite, is stretched beyond reason, or its step vanishes.
-class SimulationDiverged : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 /// Advances a state in time with the effects it was given.
