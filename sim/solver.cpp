@@ -359,6 +359,7 @@ void Solver::place(std::span<const Vec3> displacement) {
   std::fill(d.state.particles.velocity.begin(), d.state.particles.velocity.end(), Vec3::Zero());
   d.prescribe();
   d.last_step = 0.0;
+  d.watch = {};  // who puts particles elsewhere has done work on them
   d.fresh = d.force_known = false;
   d.find_initial_rate();
   d.refresh();

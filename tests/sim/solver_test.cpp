@@ -154,6 +154,23 @@ TEST(Solver, CountsOnlyTheStagesThatAnEffectTakesPartIn) {
             statistics.substeps + 1);  // one force a substep, and one to begin with
 }
 
+TEST(Solver, GoesOnFromWhereParticlesWerePut) {
+  for (Gradient gradient : {Gradient::linear, Gradient::quadratic}) {
+    NeighborhoodSettings settings;
+    if (gradient == Gradient::quadratic) settings = {.neighbors = 30, .support = 1.7};
+    State state = lattice_box(Vec3::Constant(0.4), 4, 4, 4, 1000.0, 0.0, settings, gradient);
+    for (Vec3& v : state.particles.velocity) v = Vec3(1e-3, 0, 0);
+    Solver solver = make_solver(std::move(state), elastic_requests(), {.step_fraction = 0.05});
+    solver.advance(0.05);
+    std::vector<Vec3> stretched;
+    for (const Vec3& X : solver.state().particles.rest) stretched.push_back(0.1 * X);
+    solver.place(stretched);
+    const double energy = solver.ledger().total();
+    EXPECT_NO_THROW(solver.advance(0.05));
+    EXPECT_NEAR(solver.ledger().total(), energy, 0.02 * energy);
+  }
+}
+
 TEST(Solver, ReportsOnlyTheEffectsThatItHas) {
   Solver solver = make_solver(cube(), elastic_requests());
   solver.advance(0.01);
