@@ -170,7 +170,7 @@ Equilibrium find_equilibrium(Solver& solver, const EquilibriumSettings& settings
     double load = solver.applied_load();
     loads += 2;
     if (!(load > 0.0)) load = at_first;  // nothing acts: what the present displacement answers with
-    result.residual = left > 0.0 ? left / load : 0.0;
+    result.residual = left == 0.0 ? 0.0 : left / load;
     if (result.residual < best) {
       best = result.residual;
       best_place = search.place();

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
 #include "statics_fixtures.hpp"
@@ -225,6 +226,13 @@ TEST_P(EquilibriumOf, AFreelyFallingBodyHasNone) {
   EXPECT_FALSE(found.converged);
   EXPECT_GT(found.residual, 0.5);
   for (const Vec3& u : solver.state().particles.displacement) EXPECT_TRUE(u.allFinite());
+}
+
+TEST_P(EquilibriumOf, FromAPlaceThatIsNoNumberNoneIsFound) {
+  Specimen cube(GetParam(), Vec3::Constant(0.3), 3, 3, 3, 1000.0);
+  cube.state.particles.displacement[4].x() = std::numeric_limits<double>::quiet_NaN();
+  Solver solver = cube.solver();
+  EXPECT_FALSE(find_equilibrium(solver).converged);
 }
 
 TEST_P(EquilibriumOf, TooFewIterationsAreReported) {
