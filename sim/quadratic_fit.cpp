@@ -25,8 +25,7 @@ Eigen::Matrix<double, 9, 1> nine_terms(const Vec3& X, const Mat3& XX) {
   return p;
 }
 
-constexpr double flat =
-    1e-20;  // eigenvalue, of the largest, of a direction in which the neighbours do not extend
+constexpr double flat = 1e-20;  // square offset, of the widest, in a direction where neighbours do not extend
 
 // Axes, the thin direction last, of neighbours that all lie on one quadric, given by its nine coefficients: for two
 // parallel layers it is the pair of their planes.
@@ -40,20 +39,29 @@ Mat3 thin_axes(const QuadraticFit::Terms& quadric) {
   return axes;
 }
 
-struct Principal {
-  Mat3 axes;    // columns, the widest first
-  Vec3 extent;  // eigenvalues
-};
-
-Principal principal_axes(const Particles& particles, const Neighborhood& links, std::size_t i) {
+// Columns, the widest direction first.
+Mat3 principal_axes(const Particles& particles, const Neighborhood& links, std::size_t i) {
   Mat3 A = Mat3::Zero();
   Range row = links.row(i);
   for (Index l = row.begin; l < row.end; ++l) {
     const Vec3 X = particles.rest[links.links[l].j] - particles.rest[i];
     A += static_cast<double>(links.links[l].weight) * X * X.transpose();
   }
-  Eigen::SelfAdjointEigenSolver<Mat3> eigen(A);
-  return {eigen.eigenvectors().rowwise().reverse(), eigen.eigenvalues().reverse()};
+  return Eigen::SelfAdjointEigenSolver<Mat3>(A).eigenvectors().rowwise().reverse();
+}
+
+// Whether the neighbours extend along the first `rank` axes only. Asked of them one by one: the eigenvalues of a flat
+// neighbourhood that lies askew are off by the rounding of the largest.
+bool extends_no_further(const Particles& particles, const Neighborhood& links, std::size_t i,
+                        const Mat3& axes, int rank) {
+  double within = 0.0, across = 0.0;
+  Range row = links.row(i);
+  for (Index l = row.begin; l < row.end; ++l) {
+    const Vec3 X = axes.transpose() * (particles.rest[links.links[l].j] - particles.rest[i]);
+    within = std::max(within, X.squaredNorm());
+    for (int axis = rank; axis < 3; ++axis) across = std::max(across, X[axis] * X[axis]);
+  }
+  return across <= flat * within;
 }
 
 }  // namespace
@@ -68,10 +76,10 @@ QuadraticFit::QuadraticFit(const Particles& particles, const Neighborhood& links
     fit(particles, links, i, two_layers, nullptr);
     return;
   }
-  const Principal principal = principal_axes(particles, links, i);
-  axes_ = principal.axes;
+  if (rank == 0) return;
+  axes_ = principal_axes(particles, links, i);
   // Offsets across an almost flat sheet would take part in rotations but not in the fit.
-  if (rank == 0 || principal.extent[rank] > flat * principal.extent[0]) return;
+  if (!extends_no_further(particles, links, i, axes_, rank)) return;
   fit(particles, links, i, rank == 2 ? std::span<const int>(sheet) : rope, nullptr);
 }
 

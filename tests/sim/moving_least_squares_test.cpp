@@ -73,6 +73,27 @@ TEST(MovingLeastSquares, TheQuadraticFitOfThinBodiesLeavesOutWhatTheyCannotTell)
   }
 }
 
+TEST(MovingLeastSquares, TheQuadraticFitOfThinBodiesTurnsWithThem) {
+  for (const Eigen::Vector3i& count : {Eigen::Vector3i(6, 6, 2), {6, 6, 1}, {12, 1, 1}}) {
+    const Vec3 size = 0.1 * count.cast<double>();
+    State level = lattice_particles(size, count.x(), count.y(), count.z(), 1000.0);
+    State turned = level;
+    const Mat3 R = Eigen::AngleAxisd(1.3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    for (Vec3& X : turned.particles.rest) X = R * X + Vec3(3, 4, 5);
+    for (Vec3& X : turned.surface.rest) X = R * X + Vec3(3, 4, 5);
+    for (Cell& cell : turned.particles.cells) cell = {R * cell.first, R * cell.second * R.transpose()};
+    for (State* state : {&level, &turned}) {
+      prepare_state(*state, {.neighbors = 30, .support = 1.7}, {}, {}, Gradient::quadratic);
+      EXPECT_EQ(state->fit.linear_fits, 0u) << count.transpose();
+    }
+    ASSERT_EQ(level.fit.pairs.size(), turned.fit.pairs.size());
+    for (std::size_t l = 0; l < level.fit.pairs.size(); ++l)
+      EXPECT_LT((turned.fit.pairs[l].there - R * level.fit.pairs[l].there).norm(), 1e-10);
+    for (std::size_t i = 0; i < level.size(); ++i)
+      EXPECT_NEAR(turned.fit.weight[i], level.fit.weight[i], 1e-10 * level.fit.weight[i]);
+  }
+}
+
 TEST(MovingLeastSquares, AnAlmostFlatSheetIsLeftToTheLinearFit) {
   State state = lattice_particles(Vec3(0.6, 0.6, 0.1), 6, 6, 1, 1000.0);
   for (std::size_t i = 0; i < state.size(); ++i)
