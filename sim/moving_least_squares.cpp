@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <stdexcept>
 
 #include "sim/consistency.hpp"
@@ -79,15 +78,10 @@ std::vector<double> quadrature_weights(const Particles& particles, const Neighbo
 void fit_quadratic(const Particles& particles, const Neighborhood& links, std::span<const Index> complete,
                    MovingLeastSquares& fit) {
   const std::size_t n = particles.size();
-  std::vector<std::optional<QuadraticFit>> made(n);
-  parallel_for_each(n, [&](std::size_t i) { made[i].emplace(particles, links, i, fit.rank[i]); });
-  std::vector<QuadraticFit> fits;
-  fits.reserve(n);
-  for (std::optional<QuadraticFit>& one : made) {
-    fit.linear_fits += !one->settled();
-    fits.push_back(*one);
-    one.reset();
-  }
+  std::vector<QuadraticFit> fits(n);
+  parallel_for_each(n, [&](std::size_t i) { fits[i] = QuadraticFit(particles, links, i, fit.rank[i]); });
+  fit.linear_fits = static_cast<std::size_t>(
+      std::count_if(fits.begin(), fits.end(), [](const QuadraticFit& one) { return !one.settled(); }));
   fit.pairs.resize(links.links.size());
   parallel_for_each(n, [&](std::size_t i) {
     Range row = links.row(i);

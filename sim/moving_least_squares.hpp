@@ -24,8 +24,9 @@ std::span<const std::string_view> gradient_names();
 struct Consistency {
   std::size_t corrected = 0;  ///< particles for which the sum was made to vanish
   std::size_t left_out = 0;   ///< in bodies with too many of them
-  int iterations = 0;         ///< of the conjugate gradients
-  double remainder = 0.0;  ///< the largest |sum_i V_i G_ik| left, of the largest before; 0 if there was none
+  int iterations = 0;         ///< of the conjugate gradients, of the body that took most
+  double remainder =
+      0.0;  ///< the largest |sum_i V_i G_ik| left in a body, of its largest before; 0 if there was none
 };
 
 /// The constant part of the least-squares gradient (eqs 6-8): grad u_i = (sum_j u_ij (W X)_ij^T) inverse_i,

@@ -22,6 +22,9 @@ class QuadraticFit {
   using Terms = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1>;
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
 
+  /// None: not settled.
+  QuadraticFit() = default;
+
   /// @param rank of the particle's linear moment matrix, which a fit in a plane or along a line must agree with
   QuadraticFit(const Particles& particles, const Neighborhood& links, std::size_t i, int rank);
 

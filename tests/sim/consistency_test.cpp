@@ -73,6 +73,24 @@ TEST(Consistency, KeepsQuadraticFieldsAndBothWaysOfEveryLink) {
   }
 }
 
+TEST(Consistency, OfABodyIsTheSameWhateverElseThereIs) {
+  const State alone = box(0.2);
+  State both = lattice_particles(Vec3::Constant(0.9), 9, 9, 9, 1000.0, 0.2);
+  append_body(both, lattice_particles(Vec3::Constant(9e-4), 9, 9, 9, 1000.0, 0.2), Vec3(5, 0, 0));
+  prepare_state(both, {.neighbors = 30, .support = 1.7}, {}, {}, Gradient::quadratic);
+  ASSERT_GT(alone.fit.consistency.corrected, 0u);
+  EXPECT_EQ(both.fit.consistency.corrected, 2 * alone.fit.consistency.corrected);
+  for (std::size_t l = 0; l < alone.fit.pairs.size(); ++l)
+    EXPECT_EQ(both.fit.pairs[l].there, alone.fit.pairs[l].there);
+  const CompleteNeighborhoods complete =
+      complete_neighborhoods(both.particles, both.bodies, both.links, both.surface);
+  const std::vector<Vec3> left = left_by_uniform_stress(both);
+  for (Index k : complete.particles)
+    if (both.particles.body[k] == 1) {
+      EXPECT_LT(left[k].norm(), 1e-6 * 1e-13);
+    }
+}
+
 TEST(Consistency, LeavesOutBodiesWithTooManyInside) {
   State state = box(0.2, 18);
   EXPECT_EQ(state.fit.consistency.corrected, 0u);
