@@ -40,13 +40,14 @@ struct Blocks {
   Vector3d width;
   Eigen::Array3i count;
 
-  // A lattice's blocks are its cells; otherwise they start at the bounds and are as wide as divides them evenly.
+  // A lattice's blocks are its cells, but not across a body thinner than one, which could lie between their cubes;
+  // otherwise they start at the bounds and are as wide as divides them evenly.
   Blocks(const Solid& solid, double spacing, const Vector3d& lattice_point, bool lattice)
       : width(Vector3d::Constant(spacing)) {
     const Vector3d &low = solid.facts().min, &high = solid.facts().max;
     start = low;
     for (int a = 0; a < 3; ++a) {
-      if (!lattice) {
+      if (!lattice || high[a] - low[a] < spacing) {
         count[a] = std::max(1, static_cast<int>(std::round((high[a] - low[a]) / spacing)));
         width[a] = (high[a] - low[a]) / count[a];
         continue;

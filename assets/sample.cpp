@@ -94,12 +94,19 @@ void jitter(const Solid& solid, double distance, Points& points) {
     }
 }
 
-// What separates the first of a lattice's points from its nearest neighbour.
+// The cell of the cubic lattice that points lie on, from the least step of one coordinate between two of them in order:
+// any other distance may be a diagonal. Points far apart are taken for neighbours only where most are: in a plate much
+// thinner than its lattice, not in a few islands.
 double lattice_spacing(const Points& points, double fallback) {
-  double squared = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < points.size(); ++i)
-    squared = std::min(squared, (points[i] - points[0]).squaredNorm());
-  return points.size() > 1 && squared < 4.0 * fallback * fallback ? std::sqrt(squared) : fallback;
+    for (double step : (points[i] - points[i - 1]).cwiseAbs())
+      if (step > 0.0) least = std::min(least, step);
+  if (least < 2.0 * fallback) return least;
+  std::size_t neighbors = 0;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    neighbors += (points[i] - points[i - 1]).norm() < 1.01 * least;
+  return 2 * neighbors > points.size() ? least : fallback;
 }
 
 [[noreturn]] void refuse_spacing(const Solid& solid, Arrangement arrangement, double spacing,

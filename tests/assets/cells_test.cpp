@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "assets/lattice.hpp"
 #include "assets/sample.hpp"
@@ -69,6 +71,43 @@ TEST(ParticleCells, ReachToTheSurfaceOfABall) {
     trace += sampling.cells[i].volume * sampling.points[i].squaredNorm() +
              2.0 * sampling.cells[i].first.dot(sampling.points[i]) + sampling.cells[i].second.trace();
   EXPECT_NEAR(trace / sampling.volume(), 0.6, 0.01);
+}
+
+TEST(ParticleCells, OfAPlateMuchThinnerThanItsLatticeAreItsTiles) {
+  const double thickness = 1e-3;
+  SamplingSettings settings{0, 0.1};
+  settings.held = {{.max = Vector3d(-0.5 + 1e-9, 9, 9)}};
+  const Sampling sampling = sample_interior(make_box({1.0, 1.0, thickness}, 2), settings);
+  EXPECT_EQ(sampling.on_surface, 10u);
+  settings.held.clear();
+  for (const CellMoments& cell : sample_interior(make_box({1.0, 1.0, thickness}, 2), settings).cells) {
+    const double volume = 0.01 * thickness;
+    EXPECT_NEAR(cell.volume, volume, 1e-9 * volume);
+    EXPECT_NEAR(cell.second(0, 0), volume * 0.01 / 12.0, 1e-9 * volume * 0.01);
+    EXPECT_NEAR(cell.second(1, 1), volume * 0.01 / 12.0, 1e-9 * volume * 0.01);
+  }
+}
+
+// A diagonal rod: no two of its first points are neighbours in the lattice.
+TEST(ParticleCells, OfALatticeWhoseFirstPointsLieOnADiagonal) {
+  Mesh rod = make_box({4.0, 0.12, 0.12}, 4), ball = make_ellipsoid({0.75, 0.75, 0.75}, 16);
+  transform(rod, Eigen::AngleAxisd(std::numbers::pi / 4, Vector3d::UnitZ()).toRotationMatrix(),
+            Vector3d::Ones(), Vector3d::Zero());
+  const auto shift = static_cast<std::uint32_t>(rod.points.size());
+  rod.points.insert(rod.points.end(), ball.points.begin(), ball.points.end());
+  for (auto t : ball.triangles) {
+    for (auto& corner : t) corner += shift;
+    rod.triangles.push_back(t);
+  }
+  const Sampling sampling = sample_interior(rod, {0, 0.1});
+  ASSERT_GT((sampling.points[1] - sampling.points[0]).norm(), 0.14);
+  double largest = 0.0;
+  for (const CellMoments& cell : sampling.cells) largest = std::max(largest, cell.volume);
+  EXPECT_LT(largest, 2e-3);
+  for (std::size_t i = 0; i < sampling.points.size(); ++i)
+    if (sampling.points[i].norm() < 0.4) {
+      EXPECT_NEAR(sampling.cells[i].volume, 1e-3, 1e-5);
+    }
 }
 
 TEST(SurfacePoints, CoverAHeldFaceAsTheParticlesBelowIt) {
