@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -98,6 +99,13 @@ class Pin : public Effect {
   void stiffness_key(const State& state, std::span<double> per_body) const override {
     for (const Grip& grip : grips_)
       per_body[state.particles.body[grip.particles.front()]] += grip.holds ? 1.0 : 0.0;
+  }
+
+  // What is moved to and fro in between stands where it stood.
+  bool driven(double from, double to) const override {
+    return std::any_of(grips_.begin(), grips_.end(), [&](const Grip& grip) {
+      return from < grip.release && (grip.move.varies(from, to) || grip.rotation.varies(from, to));
+    });
   }
 
   std::size_t bytes() const override {

@@ -120,6 +120,21 @@ TEST(Pin, LetsGoAtItsReleaseButNotOfWhatAnotherHolds) {
     }
 }
 
+// Where it stands does not tell: it stands there again.
+TEST(Pin, TellsThatItMovedToAndFro) {
+  State state = lattice_box(Vec3(0.8, 0.3, 0.3), 8, 3, 3, 1000.0);
+  const Curve<Vec3> shaken(
+      std::vector<Key>{{0.1, Vec3(0, 0, 0)}, {0.15, Vec3(0.05, 0, 0)}, {0.2, Vec3(0, 0, 0)}});
+  for (std::string_view key : {"move", "rotation"}) {
+    Values values = {{key, shaken}, {"release", Curve<double>(0.3)}};
+    auto effects =
+        make_effects(state, std::vector<EffectRequest>{{"pin", {0, given("pin", std::move(values))}}});
+    EXPECT_FALSE(effects[0]->driven(0.0, 0.1));
+    EXPECT_TRUE(effects[0]->driven(0.1, 0.2));
+    EXPECT_FALSE(effects[0]->driven(0.2, 0.4));
+  }
+}
+
 TEST(Pin, RefusesARegionWithoutParticles) {
   try {
     pinned_bar({{{"region", Region{.min = Vec3(5, 5, 5)}}}});
