@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "pipeline/build_body.hpp"
 #include "pipeline/overlap.hpp"
@@ -129,6 +130,26 @@ void merge_particles(State& state, std::vector<std::string>& warnings) {
                       state.bodies[b].name, lost[b], state.bodies[b].particles.size()));
 }
 
+/// For the bodies that ask for them.
+void give_paper_masses(const Scene& scene, State& state, std::vector<std::string>& warnings) {
+  bool any = false;
+  for (Index b = 0; b < state.bodies.size(); ++b) {
+    if (scene.bodies[b].mass_rule != "paper") continue;
+    const Range range = state.bodies[b].particles;
+    auto weight = [&] {
+      return std::accumulate(state.particles.mass.begin() + range.begin,
+                             state.particles.mass.begin() + range.end, 0.0);
+    };
+    const double before = weight();
+    give_paper_masses(state, b, scene.bodies[b].density, neighborhood_settings(scene.solver));
+    warnings.push_back(fmt::format(
+        "{}: mass_rule 'paper' makes it weigh {:.4g} kg, its density times its volume is {:.4g} kg",
+        state.bodies[b].name, weight(), before));
+    any = true;
+  }
+  if (any) refit(state, gradient_from_name(scene.solver.gradient));
+}
+
 /// The default number of neighbours is clipped to those there are; one that was asked for is kept or refused.
 void check_neighbors(const Scene& scene, const State& state) {
   if (!scene.solver.neighbors) return;
@@ -193,9 +214,7 @@ World build(const Scene& scene) {
     filter = [sight](Index body, const Vec3& a, const Vec3& b) { return (*sight)(body, a, b); };
   prepare_state(state, neighborhood_settings(scene.solver), filter, filter,
                 gradient_from_name(scene.solver.gradient));
-  for (Index b = 0; b < state.bodies.size(); ++b)
-    if (scene.bodies[b].mass_rule == "paper")
-      give_paper_masses(state, b, scene.bodies[b].density, neighborhood_settings(scene.solver));
+  give_paper_masses(scene, state, world.warnings);
   check_support(scene, state);
   if (state.fit.linear_fits > 0)
     world.warnings.push_back(

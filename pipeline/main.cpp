@@ -109,8 +109,10 @@ struct CommandLine {
                             "Only these settings: default, the other gradient's name, paper, or all; may be "
                             "repeated"),
         "NAME");
-    repeated(command->add_option("-n,--across", options.sizes,
-                                 "Only so many particles across: 4, 6, 8 or 10; may be repeated"),
+    repeated(command
+                 ->add_option("-n,--across", options.sizes,
+                              "So many particles across instead of 4, 6, 8 and 10; may be repeated")
+                 ->check(CLI::Range(4, 20)),
              "N");
     repeated(command->add_option("--set", options.sets,
                                  "Give a key of every scene another value, such as "

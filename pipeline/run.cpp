@@ -60,7 +60,7 @@ void warn_of_inversion(const State& state, double time, std::vector<std::string>
     if (inverted[b] > 0)
       warnings.push_back(
           fmt::format("'{}' ends, at {:.3g} s, with {} of its {} particles turned inside out: a "
-                      "stiffer 'young', a 'volume' or a larger hourglass 'stiffness' prevents it",
+                      "stiffer 'young', a 'volume' a larger 'poisson' or 'material' corotated may prevent it",
                       state.bodies[b].name, time, inverted[b], state.bodies[b].particles.size()));
 }
 

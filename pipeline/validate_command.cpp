@@ -78,11 +78,17 @@ std::vector<const ValidationSetting*> chosen_settings(const ValidateCommand& com
   return chosen;
 }
 
-bool wanted(const ValidateCommand& command, const ValidationCase& validated, int n) {
-  if (command.quick && n > 6) return false;
-  bool offered = std::find(validated.sizes.begin(), validated.sizes.end(), n) != validated.sizes.end();
-  return offered && (command.sizes.empty() ||
-                     std::find(command.sizes.begin(), command.sizes.end(), n) != command.sizes.end());
+/// Particles across: those asked for, or the case's own; a case of one size has no other.
+std::vector<int> chosen_sizes(const ValidateCommand& command, const ValidationCase& validated) {
+  std::vector<int> sizes;
+  const bool any = validated.sizes.size() > 1 && !command.sizes.empty();
+  for (int n : any ? command.sizes : validated.sizes) {
+    const bool asked = any || command.sizes.empty() ||
+                       std::find(command.sizes.begin(), command.sizes.end(), n) != command.sizes.end();
+    const bool twice = std::find(sizes.begin(), sizes.end(), n) != sizes.end();
+    if (asked && !twice && !(command.quick && n > 6)) sizes.push_back(n);
+  }
+  return sizes;
 }
 
 std::vector<Job> chosen_jobs(const ValidateCommand& command) {
@@ -90,9 +96,8 @@ std::vector<Job> chosen_jobs(const ValidateCommand& command) {
   for (const ValidationCase* validated : chosen_cases(command))
     for (const ValidationSetting* setting : chosen_settings(command))
       for (Placement placement : validation_placements())
-        for (int n : validated->sizes)
-          if (wanted(command, *validated, n) && n <= setting->most_across)
-            jobs.push_back({validated, {setting, placement, n}});
+        for (int n : chosen_sizes(command, *validated))
+          if (n <= setting->most_across) jobs.push_back({validated, {setting, placement, n}});
   return jobs;
 }
 

@@ -37,7 +37,7 @@ ValidationSetting other_gradient() {
   return {name,
           fmt::format("the {} fit of the gradient, all else as it comes with it", name),
           false,
-          10,
+          20,
           fmt::format("gradient = \"{}\"\n", name),
           "",
           ""};
@@ -55,7 +55,7 @@ const std::vector<ValidationSetting>& validation_settings() {
   static const std::vector<ValidationSetting> settings = {
       {"default",
        fmt::format("what a scene gets that asks for nothing (gradient = \"{}\")", SolverSpec().gradient),
-       true, 10, "", "", ""},
+       true, 20, "", "", ""},
       other_gradient(),
       {"paper",
        "the paper's: linear fit, poly6 kernel with h = 3 mean distances of the nearest 10, "

@@ -46,11 +46,13 @@ void refuse_energy(const State& state, double step_fraction) {
 }
 
 void refuse_step(const State& state, double step) {
-  throw SimulationDiverged(
-      fmt::format("the simulation cannot go on at t = {:.6g} s: its stable step has fallen to {:.3g} s; "
-                  "something moves or is "
-                  "stiff beyond reason: look at velocities, 'young' and contact 'stiffness'",
-                  state.time, step));
+  const std::size_t i = most_energetic(state);
+  const Body& body = state.bodies[state.particles.body[i]];
+  throw SimulationDiverged(fmt::format(
+      "the simulation cannot go on at t = {:.6g} s: its stable step has fallen to {:.3g} s; "
+      "something moves (fastest: body '{}', particle {}) or is stiff beyond reason: look at loads, "
+      "velocities, 'young' and contact 'stiffness'",
+      state.time, step, body.name, i - body.particles.begin));
 }
 
 }  // namespace deforma

@@ -13,7 +13,7 @@ class SimulationDiverged : public std::runtime_error {
 };
 
 /// A deformation gradient this large is no deformation any more.
-inline constexpr double exploded = 1e6;
+inline constexpr double exploded = 100.0;
 
 /// @param finite_strain whether every F is known to be finite and below `exploded`: then they are not looked at
 /// @param step_fraction the setting to change, for the message
@@ -25,7 +25,8 @@ void refuse_divergence(const State& state, bool finite_strain, double step_fract
 [[noreturn]] void refuse_energy(const State& state, double step_fraction);
 
 /// @param step that is left [s]
-/// @throws SimulationDiverged with the time: at such steps it will never get there.
+/// @throws SimulationDiverged with the time and the particle with the most kinetic energy: at such steps it will never
+///         get there.
 [[noreturn]] void refuse_step(const State& state, double step);
 
 }  // namespace deforma

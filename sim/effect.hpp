@@ -79,7 +79,7 @@ class Effect {
   virtual void stiffness_key(const State&, std::span<double> /*per body*/) const {}
 
   /// Whether something outside may have done work through it between two times [s]: a load, an obstacle or a depth that
-  /// varied. What pins or `stiffness_key` show need not be told.
+  /// varied. What `stiffness_key` shows need not be told.
   virtual bool driven(double /*from*/, double /*to*/) const { return false; }
 
   virtual std::size_t bytes() const { return 0; }  ///< memory held

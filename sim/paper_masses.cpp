@@ -19,7 +19,6 @@ void give_paper_masses(State& state, Index body, double density, const Neighborh
       sum += particles.mass[j] * kernel_weight(settings.kernel, r, 0.5 * (h + state.links.support[j]));
     }
     particles.volume[i] = particles.mass[i] / sum;
-    state.fit.weight[i] = particles.volume[i];
   }
 }
 

@@ -33,4 +33,7 @@ struct State {
 void prepare_state(State& state, const NeighborhoodSettings& settings, const LinkFilter& link_allowed = {},
                    const LinkFilter& tie_allowed = {}, Gradient gradient = Gradient::linear);
 
+/// Fits the gradients anew, after volumes were changed.
+void refit(State& state, Gradient gradient);
+
 }  // namespace deforma

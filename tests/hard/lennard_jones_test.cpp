@@ -63,7 +63,7 @@ TEST(HardCase, Row19LennardJonesPairOnTopOfEachOther) {
     }
 }
 
-TEST(HardCase, Row20LennardJonesInsideABodyAtRest) {
+TEST(HardCaseSlow, Row20LennardJonesInsideABodyAtRest) {
   for (Gradient gradient : both_fits)
     for (auto [alpha, jitter] :
          {std::pair(0.8 * spacing, 0.0), {spacing, 0.2}}) {  // 0.8: pairs exactly at the cut

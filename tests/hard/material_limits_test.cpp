@@ -5,7 +5,7 @@ namespace {
 
 using namespace hard;
 
-TEST(HardCase, Row10StiffnessAndDensityOverManyDecades) {
+TEST(HardCaseSlow, Row10StiffnessAndDensityOverManyDecades) {
   struct Case {
     double young, density;
   };
@@ -63,7 +63,7 @@ Pulled pull(double nu, Gradient gradient) {
   return pulled;
 }
 
-TEST(HardCase, Row11PoissonsRatioUpToNearlyOneHalf) {
+TEST(HardCaseSlow, Row11PoissonsRatioUpToNearlyOneHalf) {
   for (Gradient gradient : both_fits) {
     const Pulled usual = pull(poisson, gradient);
     EXPECT_GT(usual.volume_change, 1e-4);

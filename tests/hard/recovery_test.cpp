@@ -61,7 +61,7 @@ TEST(HardCase, Row14SquashedFlat) {
   }
 }
 
-TEST(HardCase, Row15SquashedExactlyFlatOrToOnePoint) {
+TEST(HardCaseSlow, Row15SquashedExactlyFlatOrToOnePoint) {
   for (Gradient gradient : both_fits)
     for (bool to_a_point : {false, true})
       for (std::string_view material : material_names()) {
