@@ -46,7 +46,7 @@ TEST(HardCase, Row17ImpactOnAWall) {
       }
 }
 
-TEST(HardCase, Row18FastTowardsAWall) {
+TEST(HardCaseSlow, Row18FastTowardsAWall) {
   std::mt19937 generator(6);
   for (Gradient gradient : both_fits)
     for (int side : {1, 3})  // one particle, a sheet
