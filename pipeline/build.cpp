@@ -229,6 +229,11 @@ World build(const Scene& scene) {
         "{} irregular particles are too many for the correction that makes a uniform stress exact "
         "inside; about 1 % of it is left as noise",
         state.fit.consistency.left_out));
+  if (state.fit.consistency.remainder > 1e-6)
+    world.warnings.push_back(
+        fmt::format("the correction that makes a uniform stress exact inside has not converged: {:.1g} of "
+                    "the error is left",
+                    state.fit.consistency.remainder));
   if (std::size_t thin = state.fit.count_below(3); thin > 0)
     world.warnings.push_back(
         fmt::format("{} of {} particles have neighbours on one line or plane only, or none: they resist less",
