@@ -19,6 +19,12 @@ std::size_t most_energetic(const State& state) {
   return best;
 }
 
+/// Such as "body 'duck', particle 7": numbered within its body.
+std::string name_of(const State& state, std::size_t i) {
+  const Body& body = state.bodies[state.particles.body[i]];
+  return fmt::format("body '{}', particle {}", body.name, i - body.particles.begin);
+}
+
 }  // namespace
 
 void refuse_divergence(const State& state, bool finite_strain, double step_fraction) {
@@ -26,33 +32,28 @@ void refuse_divergence(const State& state, bool finite_strain, double step_fract
     bool fine = state.particles.displacement[i].allFinite() && state.particles.velocity[i].allFinite() &&
                 (finite_strain || state.F[i].squaredNorm() < exploded * exploded);
     if (fine) continue;
-    const Body& body = state.bodies[state.particles.body[i]];
     throw SimulationDiverged(
-        fmt::format("the simulation diverged at t = {:.6g} s: body '{}', particle {} is no longer finite "
+        fmt::format("the simulation diverged at t = {:.6g} s: {} is no longer finite "
                     "or is stretched beyond "
                     "{:g} times; lower [solver] step_fraction (now {:g}), or soften what drives it",
-                    state.time, body.name, i - body.particles.begin, exploded, step_fraction));
+                    state.time, name_of(state, i), exploded, step_fraction));
   }
 }
 
 void refuse_energy(const State& state, double step_fraction) {
-  const std::size_t i = most_energetic(state);
-  const Body& body = state.bodies[state.particles.body[i]];
   throw SimulationDiverged(fmt::format(
       "the simulation went wrong by t = {:.6g} s: it has gained several times the energy that was put "
-      "in, most of it now at body '{}', particle {}; lower [solver] step_fraction (now {:g}), or soften "
+      "in, most of it now at {}; lower [solver] step_fraction (now {:g}), or soften "
       "what drives it",
-      state.time, body.name, i - body.particles.begin, step_fraction));
+      state.time, name_of(state, most_energetic(state)), step_fraction));
 }
 
 void refuse_step(const State& state, double step) {
-  const std::size_t i = most_energetic(state);
-  const Body& body = state.bodies[state.particles.body[i]];
-  throw SimulationDiverged(fmt::format(
-      "the simulation cannot go on at t = {:.6g} s: its stable step has fallen to {:.3g} s; "
-      "something moves (fastest: body '{}', particle {}) or is stiff beyond reason: look at loads, "
-      "velocities, 'young' and contact 'stiffness'",
-      state.time, step, body.name, i - body.particles.begin));
+  throw SimulationDiverged(
+      fmt::format("the simulation cannot go on at t = {:.6g} s: its stable step has fallen to {:.3g} s; "
+                  "something moves (most energy: {}) or is stiff beyond reason: look at loads, "
+                  "velocities, 'young' and contact 'stiffness'",
+                  state.time, step, name_of(state, most_energetic(state))));
 }
 
 }  // namespace deforma
