@@ -54,4 +54,27 @@ inline Mesh moved(Mesh mesh, const Eigen::Vector3d& by) {
   return mesh;
 }
 
+/// A U: two legs of 1 x 1 x 3 with a slit between them, joined by a bar across their feet.
+inline Mesh make_legs(double slit) {
+  Mesh mesh;
+  // The outline, counter-clockwise seen against y, swept from y = 0 to y = 1.
+  const std::vector<std::array<double, 2>> outline = {
+      {0, 0}, {2 + slit, 0}, {2 + slit, 3}, {1 + slit, 3}, {1 + slit, 1}, {1, 1}, {1, 3}, {0, 3}};
+  for (double y : {0.0, 1.0})
+    for (const auto& [x, z] : outline) mesh.points.emplace_back(x, y, z);
+  // The front split into convex parts: foot, left leg, right leg.
+  const std::vector<std::array<std::uint32_t, 3>> front = {{0, 1, 4}, {0, 4, 5}, {0, 5, 6},
+                                                           {0, 6, 7}, {1, 2, 3}, {1, 3, 4}};
+  for (auto [a, b, c] : front) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a + 8, c + 8, b + 8});
+  }
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    std::uint32_t next = (i + 1) % 8;
+    mesh.triangles.push_back({i, i + 8, next + 8});
+    mesh.triangles.push_back({i, next + 8, next});
+  }
+  return mesh;
+}
+
 }  // namespace deforma

@@ -9,33 +9,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Two legs of 1 x 1 x 3 with a slit of 0.1 between them, joined by a bar across their feet.
-Mesh legs() {
-  Mesh mesh;
-  // The outline of a U, counter-clockwise seen against y, swept from y = 0 to y = 1.
-  const std::vector<std::array<double, 2>> outline = {{0, 0},   {2.1, 0}, {2.1, 3}, {1.1, 3},
-                                                      {1.1, 1}, {1, 1},   {1, 3},   {0, 3}};
-  for (double y : {0.0, 1.0})
-    for (const auto& [x, z] : outline) mesh.points.emplace_back(x, y, z);
-  // The front split into convex parts: foot, left leg, right leg.
-  const std::vector<std::array<std::uint32_t, 3>> front = {{0, 1, 4}, {0, 4, 5}, {0, 5, 6},
-                                                           {0, 6, 7}, {1, 2, 3}, {1, 3, 4}};
-  for (auto [a, b, c] : front) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({a + 8, c + 8, b + 8});
-  }
-  for (std::uint32_t i = 0; i < 8; ++i) {
-    std::uint32_t next = (i + 1) % 8;
-    mesh.triangles.push_back({i, i + 8, next + 8});
-    mesh.triangles.push_back({i, next + 8, next});
-  }
-  return mesh;
-}
-
 TEST(Visibility, IsCutByTheGapBetweenLegs) {
-  ASSERT_EQ(inspect(legs()).boundary_edges, 0u);
-  ASSERT_NEAR(inspect(legs()).volume, 6.1, 1e-12);
-  Visibility visibility(legs());
+  ASSERT_EQ(inspect(make_legs(0.1)).boundary_edges, 0u);
+  ASSERT_NEAR(inspect(make_legs(0.1)).volume, 6.1, 1e-12);
+  Visibility visibility(make_legs(0.1));
   EXPECT_FALSE(visibility.sees({0.9, 0.5, 2}, {1.2, 0.5, 2}));
   EXPECT_FALSE(visibility.sees({0.1, 0.5, 2.9}, {2.0, 0.2, 2.5}));
   EXPECT_TRUE(visibility.sees({0.9, 0.5, 0.5}, {1.2, 0.5, 0.5}));
@@ -43,7 +20,7 @@ TEST(Visibility, IsCutByTheGapBetweenLegs) {
 }
 
 TEST(Visibility, OfASurfaceVertexIgnoresItsOwnTriangles) {
-  Mesh mesh = legs();
+  Mesh mesh = make_legs(0.1);
   Visibility visibility(mesh);
   for (const Vector3d& vertex : mesh.points) {
     Vector3d own_leg(vertex.x() < 1.05 ? 0.5 : 1.6, 0.5, std::min(vertex.z(), 2.5));

@@ -10,27 +10,6 @@
 namespace deforma {
 namespace {
 
-/// A U: two legs of 1 x 1 x 3 with a slit between them, joined by a bar across their feet.
-Mesh legs(double slit) {
-  Mesh mesh;
-  const std::vector<std::array<double, 2>> outline = {
-      {0, 0}, {2 + slit, 0}, {2 + slit, 3}, {1 + slit, 3}, {1 + slit, 1}, {1, 1}, {1, 3}, {0, 3}};
-  for (double y : {0.0, 1.0})
-    for (const auto& [x, z] : outline) mesh.points.emplace_back(x, y, z);
-  const std::vector<std::array<std::uint32_t, 3>> front = {{0, 1, 4}, {0, 4, 5}, {0, 5, 6},
-                                                           {0, 6, 7}, {1, 2, 3}, {1, 3, 4}};
-  for (auto [a, b, c] : front) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({a + 8, c + 8, b + 8});
-  }
-  for (std::uint32_t i = 0; i < 8; ++i) {
-    std::uint32_t next = (i + 1) % 8;
-    mesh.triangles.push_back({i, i + 8, next + 8});
-    mesh.triangles.push_back({i, next + 8, next});
-  }
-  return mesh;
-}
-
 const std::string material =
     "particles = 1200\ndensity = 1000\nelastic = { young = 1e6, poisson = 0.3 }\nvolume = { stiffness = 1e6 "
     "}\n"
@@ -147,7 +126,7 @@ TEST(HardCase, Row31AMovingComponentMovesNoOther) {
 TEST(HardCase, Row32LegsCloserThanTheSupport) {
   Scratch scratch;
   for (double slit : {0.1, 0.01, 0.001}) {
-    scratch.write("legs.obj", obj_text(legs(slit)));
+    scratch.write("legs.obj", obj_text(make_legs(slit)));
     // 0: the bar; 1, 2: what of the legs is above it.
     auto part_of = [&](const Vec3& p) { return p.z() <= 1.0 ? 0 : p.x() < 1.0 + 0.5 * slit ? 1 : 2; };
     for (const std::string& solver : both_gradients)
