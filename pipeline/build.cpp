@@ -115,7 +115,7 @@ double memory_per_particle(const SolverSpec& spec) {
   const double links = settings.neighbors * std::pow(0.75 * settings.support, 3);
   const bool quadratic = gradient_from_name(spec.gradient) == Gradient::quadratic;
   const auto per_link =
-      static_cast<double>(sizeof(Link) + (quadratic ? sizeof(MovingLeastSquares::Pair) : 0));
+      static_cast<double>(sizeof(Link) + (quadratic ? 2 * sizeof(GradientLink) : 0));
   constexpr double without_links = 700.0;
   return without_links + links * per_link;
 }

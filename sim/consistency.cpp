@@ -79,7 +79,7 @@ class System {
     parallel_for_each(size(), [&](std::size_t i) {
       const Range row = row_of(i);
       for (Index l = row.begin; l < row.end; ++l)
-        per_link_[l - first_link_] = fit_.weight[first_ + i] * fit_.pairs[l].there;
+        per_link_[l - first_link_] = fit_.weight[first_ + i] * gradient_vector(fit_.there[l]);
     });
     gather(per_link_, sum);
   }
@@ -184,8 +184,8 @@ Consistency make_body_consistent(const Particles& particles, const Neighborhood&
   for (Index i = body.begin; i < body.end; ++i) {
     Range row = links.row(i);
     for (Index l = row.begin; l < row.end; ++l) {
-      fit.pairs[l].there += change[l - first_link] / fit.weight[i];
-      fit.pairs[reverse[l]].back = fit.pairs[l].there;
+      gradient_vector(fit.there[l]) += change[l - first_link] / fit.weight[i];
+      gradient_vector(fit.back[reverse[l]]) = gradient_vector(fit.there[l]);
     }
   }
   result.corrected = complete.size();

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "sim/blocks.hpp"
 #include "sim/state.hpp"
 #include "sim/types.hpp"
 
@@ -46,10 +47,11 @@ class Effect {
   /// Adds forces at active surface vertices [N]; the solver carries them to the particles.      m
   virtual void surface_force(const State&, std::span<Vec3>) { leave(at_surface_force); }
 
-  /// Adds first Piola-Kirchhoff stress [Pa], a function of F and the particle alone, and, for hourglass control, the
-  /// stiffness s_i [N/m] of the pair force sum_j (s_i + s_j) W_ij u_ij. Called with other F than the state's when
-  /// the solver measures its stiffness.                                                         n
-  virtual void stress(const State&, std::span<const Mat3> /*F*/, std::span<Mat3> /*P*/,
+  /// Adds first Piola-Kirchhoff stress [Pa] of a block's particles, a function of F and the particle alone, and, for
+  /// hourglass control, the stiffness s_i [N/m] of the pair force sum_j (s_i + s_j) W_ij u_ij. All three hold the
+  /// block's particles only. Called for several blocks at once, and with other F than the state's when the solver
+  /// measures its stiffness; an effect that takes no part is asked once, about no particle.
+  virtual void stress(const State&, const Block&, std::span<const Mat3> /*F*/, std::span<Mat3> /*P*/,
                       std::span<double> /*pair_stiffness*/) {
     leave(at_stress);
   }

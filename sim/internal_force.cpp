@@ -2,95 +2,118 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <stdexcept>
 
+#include "sim/blocks.hpp"
+#include "sim/memory.hpp"
 #include "sim/parallel.hpp"
 
 namespace deforma {
 
 namespace {
 
-void add_trapezoid_residual(const Particles& particles, const Neighborhood& links,
-                            const MovingLeastSquares& fit, std::span<const Vec3> displacement,
-                            std::span<const Mat3> F, std::span<const double> s, std::span<Mat3> B,
-                            std::span<Vec3> force) {
-  parallel_for_each(particles.size(), [&](std::size_t i) {
-    const Mat3 own = F[i] - fit.plane[i];
-    const Vec3 u = displacement[i], rest = particles.rest[i];
-    const double s_own = s[i];
-    Mat3 moment = Mat3::Zero();
-    Vec3 sum = Vec3::Zero();
-    Range row = links.row(i);
-    for (Index l = row.begin; l < row.end; ++l) {
-      const Link& link = links.links[l];
-      const Vec3 X = particles.rest[link.j] - rest;
-      const Vec3 e = displacement[link.j] - u - 0.5 * ((own + (F[link.j] - fit.plane[link.j])) * X);
-      const Vec3 f = ((s_own + s[link.j]) * link.weight) * e;
-      sum += f;
-      moment.noalias() += f * X.transpose();
-    }
-    force[i] += sum;
-    B[i] -= 0.5 * moment;
-  });
+void put(double (&line)[4], const auto& three, double fourth) {
+  line[0] = three[0];
+  line[1] = three[1];
+  line[2] = three[2];
+  line[3] = fourth;
 }
 
-void add_quadratic_force(const Neighborhood& links, const MovingLeastSquares& fit, std::span<const Mat3> B,
-                         std::span<Vec3> force) {
-  parallel_for_each(links.size(), [&](std::size_t i) {
-    Vec3 sum = Vec3::Zero();
-    Range row = links.row(i);
-    for (Index l = row.begin; l < row.end; ++l) sum.noalias() += B[links.links[l].j] * fit.pairs[l].back;
-    force[i] += B[i] * fit.sums[i] - sum;
-  });
+/// Calls visit(particles) for runs of particles, on several threads where there are many.
+template <typename Visit>
+void for_runs(std::size_t n, const Visit& visit) {
+  parallel_for_each((n + Block::most - 1) / Block::most,
+                    [&](std::size_t b) {
+                      const auto begin = static_cast<Index>(b) * Block::most;
+                      visit(Range{begin, std::min(begin + Block::most, static_cast<Index>(n))});
+                    },
+                    4);
 }
 
 }  // namespace
 
-void carried_stress(const Particles& particles, const Neighborhood& links, const MovingLeastSquares& fit,
-                    std::span<const Vec3> displacement, std::span<const Mat3> F, std::span<const Mat3> P,
-                    std::span<const double> pair_stiffness, std::span<Mat3> B, std::span<Vec3> force) {
-  if (fit.quadratic()) {
-    parallel_for_each(particles.size(), [&](std::size_t i) { B[i] = fit.weight[i] * P[i]; });
-    if (!pair_stiffness.empty())
-      add_trapezoid_residual(particles, links, fit, displacement, F, pair_stiffness, B, force);
-    return;
+InternalForce::InternalForce(const State& state, bool hourglass)
+    : carriers_(state.size()), residuals_(hourglass && state.fit.quadratic() ? state.size() : 0) {}
+
+void InternalForce::carry(const State& state, Range particles, std::span<const Vec3> displacement,
+                          std::span<const Mat3> F, std::span<const Mat3> P,
+                          std::span<const double> pair_stiffness) {
+  const MovingLeastSquares& fit = state.fit;
+  const bool quadratic = fit.quadratic(), hourglass = !pair_stiffness.empty();
+  const std::size_t count = particles.size();
+  if (displacement.size() != carriers_.size() || F.size() != count || P.size() != count ||
+      (hourglass && pair_stiffness.size() != count))
+    throw std::invalid_argument(
+        fmt::format("{} of {} particles, but {} displacements, {} deformation gradients, {} stresses and {} "
+                    "pair stiffnesses",
+                    count, carriers_.size(), displacement.size(), F.size(), P.size(), pair_stiffness.size()));
+  for (Index i = particles.begin; i < particles.end; ++i) {
+    const Index k = i - particles.begin;
+    const Vec3& u = displacement[i];
+    const Vec3& X = state.particles.rest[i];
+    const double s = hourglass ? pair_stiffness[k] : 0.0;
+    Mat3 B;
+    if (quadratic)
+      B = fit.weight[i] * P[k];
+    else
+      B.noalias() = fit.weight[i] * P[k] * fit.inverse[i].transpose();
+    if (hourglass) {
+      Mat3 gradient = F[k];
+      if (fit.rank[i] == 3)
+        gradient.diagonal().array() -= 1.0;
+      else
+        gradient -= fit.plane[i];
+      if (quadratic) {
+        put(residuals_[i].head, u, s);
+        for (int c = 0; c < 3; ++c) put(residuals_[i].line[c], gradient.col(c), X[c]);
+      } else {
+        B -= s * gradient;
+      }
+    }
+    Carrier& carrier = carriers_[i];
+    put(carrier.head, X, s);
+    for (int r = 0; r < 3; ++r) put(carrier.line[r], B.row(r), u[r]);
   }
-  parallel_for_each(particles.size(), [&](std::size_t i) {
-    B[i].noalias() = fit.weight[i] * P[i] * fit.inverse[i].transpose();
-    if (!pair_stiffness.empty()) B[i] -= (pair_stiffness[i] * links.length[i]) * (F[i] - fit.plane[i]);
+}
+
+void InternalForce::carry_residuals(const State& state, std::span<Vec3> force) {
+  for_runs(state.size(), [&](Range particles) {
+    std::array<double, 12ul * Block::most> moments;
+    state.links.gather().quadratic_residual(
+        {state.links.start.data(), state.links.links.data(), particles.begin, particles.end},
+        residuals_.data(), force[particles.begin].data(), moments.data());
+    for (Index i = particles.begin; i < particles.end; ++i)
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+          carriers_[i].line[r][c] -= 0.5 * moments[12ul * (i - particles.begin) + 4ul * c + r];
   });
 }
 
-void add_internal_force(const Neighborhood& links, const MovingLeastSquares& fit, std::span<const Mat3> B,
-                        std::span<const double> pair_stiffness, std::span<const Vec3> displacement,
-                        std::span<Vec3> force) {
-  std::size_t n = links.size();
-  bool hourglass = !pair_stiffness.empty();
-  if (B.size() != n || force.size() != n || displacement.size() != n ||
-      (hourglass && pair_stiffness.size() != n))
+void InternalForce::add_to(std::span<Vec3> force, const State& state) {
+  const std::size_t n = carriers_.size();
+  if (force.size() != n || state.size() != n)
     throw std::invalid_argument(
-        fmt::format("{} neighborhoods but {} stresses, {} displacements, {} forces and {} pair stiffnesses",
-                    n, B.size(), displacement.size(), force.size(), pair_stiffness.size()));
-  if (fit.quadratic()) return add_quadratic_force(links, fit, B, force);
-  parallel_for_each(n, [&](std::size_t i) {
-    // B_i + B_j inside the sum, not pulled out of it: the pair's two forces must be exactly opposite.
-    const Mat3 own = B[i];
-    Vec3 sum = Vec3::Zero();
-    Range row = links.row(i);
-    for (Index l = row.begin; l < row.end; ++l) {
-      const Link& link = links.links[l];
-      sum.noalias() += (own + B[link.j]) * link.vector();  // eq 17 and its reaction
+        fmt::format("stress of {} particles, but {} particles and {} forces", n, state.size(), force.size()));
+  if (!residuals_.empty()) carry_residuals(state, force);
+  const Gather& gather = state.links.gather();
+  const MovingLeastSquares& fit = state.fit;
+  for_runs(n, [&](Range particles) {
+    double* const own = force[particles.begin].data();
+    if (!fit.quadratic()) {
+      gather.linear_force(
+          {state.links.start.data(), state.links.links.data(), particles.begin, particles.end},
+          carriers_.data(), own);
+      return;
     }
-    if (hourglass) {
-      const double s = pair_stiffness[i];
-      const Vec3 u = displacement[i];
-      for (Index l = row.begin; l < row.end; ++l) {
-        const Link& link = links.links[l];
-        sum += ((s + pair_stiffness[link.j]) * link.weight) * (displacement[link.j] - u);
-      }
-    }
-    force[i] += sum;
+    for (Index i = particles.begin; i < particles.end; ++i)
+      for (int r = 0; r < 3; ++r)
+        force[i][r] += Eigen::Map<const Vec3>(carriers_[i].line[r]).dot(fit.sums[i]);
+    gather.quadratic_force({state.links.start.data(), fit.back.data(), particles.begin, particles.end},
+                           carriers_.data(), own);
   });
 }
+
+std::size_t InternalForce::bytes() const { return bytes_of(carriers_) + bytes_of(residuals_); }
 
 }  // namespace deforma

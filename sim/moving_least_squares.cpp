@@ -8,6 +8,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "sim/blocks.hpp"
 #include "sim/consistency.hpp"
 #include "sim/parallel.hpp"
 #include "sim/quadratic_fit.hpp"
@@ -82,28 +83,31 @@ void fit_quadratic(const Particles& particles, const Neighborhood& links, std::s
   parallel_for_each(n, [&](std::size_t i) { fits[i] = QuadraticFit(particles, links, i, fit.rank[i]); });
   fit.linear_fits = static_cast<std::size_t>(
       std::count_if(fits.begin(), fits.end(), [](const QuadraticFit& one) { return !one.settled(); }));
-  fit.pairs.resize(links.links.size());
+  fit.there.resize(links.links.size());
+  fit.back.resize(links.links.size());
   parallel_for_each(n, [&](std::size_t i) {
     Range row = links.row(i);
     for (Index l = row.begin; l < row.end; ++l) {
       const Link& link = links.links[l];
-      fit.pairs[l].there =
+      fit.there[l].link = fit.back[l].link = link;
+      gradient_vector(fit.there[l]) =
           fits[i].settled()
               ? Vec3(static_cast<double>(link.weight) *
                      fits[i].gradient_of(fits[i].terms(particles.rest[link.j] - particles.rest[i])))
-              : Vec3(fit.inverse[i].transpose() * link.vector());
+              : Vec3(fit.inverse[i].transpose() * links.vector(i, link));
     }
   });
   const std::vector<Index> reverse = reverse_links(links);
-  parallel_for_each(links.links.size(),
-                    [&](std::size_t l) { fit.pairs[l].back = fit.pairs[reverse[l]].there; });
+  parallel_for_each(links.links.size(), [&](std::size_t l) {
+    gradient_vector(fit.back[l]) = gradient_vector(fit.there[reverse[l]]);
+  });
   fit.weight = quadrature_weights(particles, links, fits, reverse);
   fit.consistency = make_consistent(particles, links, complete, fits, reverse, fit);
   fit.sums.resize(n);
   parallel_for_each(n, [&](std::size_t i) {
     Range row = links.row(i);
     fit.sums[i].setZero();
-    for (Index l = row.begin; l < row.end; ++l) fit.sums[i] += fit.pairs[l].there;
+    for (Index l = row.begin; l < row.end; ++l) fit.sums[i] += gradient_vector(fit.there[l]);
   });
 }
 
@@ -142,10 +146,10 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
     Range row = links.row(i);
     for (Index l = row.begin; l < row.end; ++l) {
       const Link& link = links.links[l];
-      A += (particles.rest[link.j] - particles.rest[i]) / links.length[i] * link.vector().transpose();
+      A += (particles.rest[link.j] - particles.rest[i]) * links.vector(i, link).transpose();
     }
     Moment moment = invert(A);
-    fit.inverse[i] = moment.inverse / links.length[i];
+    fit.inverse[i] = moment.inverse;
     fit.rank[i] = moment.rank;
     fit.plane[i] = moment.plane;
     fit.trace[i] = A.trace();
@@ -161,22 +165,41 @@ void deformation_gradients(const Neighborhood& links, const MovingLeastSquares& 
   if (field.size() != n || F.size() != n)
     throw std::invalid_argument(
         fmt::format("{} neighborhoods but {} values and {} gradients", n, field.size(), F.size()));
-  parallel_for_each(n, [&](std::size_t i) {
-    Mat3 sum = Mat3::Zero();
-    Range row = links.row(i);
-    const Vec3 own = field[i];
-    if (fit.quadratic()) {
-      for (Index l = row.begin; l < row.end; ++l)
-        sum.noalias() += (field[links.links[l].j] - own) * fit.pairs[l].there.transpose();
-      F[i] = fit.plane[i] + sum;
-      return;
-    }
-    for (Index l = row.begin; l < row.end; ++l) {
-      const Link& link = links.links[l];
-      sum.noalias() += (field[link.j] - own) * link.vector().transpose();  // eq 8
-    }
-    F[i].noalias() = fit.plane[i] + sum * fit.inverse[i];  // eq 7
-  });
+  const std::size_t blocks = (n + Block::most - 1) / Block::most;
+  parallel_for_each(
+      blocks,
+      [&](std::size_t b) {
+        const auto begin = static_cast<Index>(b) * Block::most;
+        const Range particles{begin, std::min(begin + Block::most, static_cast<Index>(n))};
+        block_deformation_gradients(links, fit, field, particles, F.subspan(begin, particles.size()));
+      },
+      4);
+}
+
+void block_deformation_gradients(const Neighborhood& links, const MovingLeastSquares& fit,
+                                 std::span<const Vec3> field, Range particles, std::span<Mat3> F) {
+  std::array<double, 12ul * Block::most> sums;
+  const double* const u = field.data()->data();
+  const Gather& gather = links.gather();
+  const std::size_t begin = particles.begin, end = particles.end;
+  if (fit.quadratic())
+    gather.quadratic_gradient({links.start.data(), fit.there.data(), begin, end}, u, sums.data());
+  else
+    gather.linear_gradient({links.start.data(), links.links.data(), begin, end}, links.places.data(), u,
+                           sums.data());
+  using Sum = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Mat3 sum = Eigen::Map<const Sum>(sums.data() + 12 * (i - begin)).leftCols<3>();
+    Mat3& answer = F[i - begin];
+    if (fit.quadratic())
+      answer = sum;
+    else
+      answer.noalias() = sum * fit.inverse[i];  // eq 7
+    if (fit.rank[i] == 3)
+      answer.diagonal().array() += 1.0;
+    else
+      answer += fit.plane[i];
+  }
 }
 
 }  // namespace deforma

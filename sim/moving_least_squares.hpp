@@ -29,31 +29,33 @@ struct Consistency {
       0.0;  ///< the largest |sum_i V_i G_ik| left in a body, of its largest before; 0 if there was none
 };
 
-/// The constant part of the least-squares gradient (eqs 6-8): grad u_i = (sum_j u_ij (W X)_ij^T) inverse_i,
+/// The constant part of the least-squares gradient (eqs 6-8): grad u_i = (sum_j u_ij (W X_ij)^T) inverse_i,
 /// or, with the quadratic fit, grad u_i = sum_j u_ij g_ij^T.
 ///
-/// `inverse` already holds the 1/l that undoes the links' scaling. A neighbourhood that does not span space
-/// has rank below 3: its inverse is a pseudoinverse, and `plane` holds the projector Q onto what it spans.
+/// A neighbourhood that does not span space has rank below 3: its inverse is a pseudoinverse, and `plane` holds the
+/// projector Q onto what it spans.
 struct MovingLeastSquares {
-  /// Gradient vectors of one link of the quadratic fit, both ways [1/m].
-  struct Pair {
-    Vec3 there;  ///< g_ij
-    Vec3 back;   ///< g_ji
-  };
-
-  std::vector<Mat3> inverse;       ///< (A^-1)/l per particle [1/m]
+  std::vector<Mat3> inverse;       ///< A^-1 per particle [m^-2]
   std::vector<std::uint8_t> rank;  ///< 0 (alone), 1 (rope), 2 (sheet), 3
   std::vector<Mat3> plane;         ///< Q; the identity for rank 3
-  std::vector<double> trace;       ///< tr A, dimensionless
+  std::vector<double> trace;       ///< tr A [m^2]
   std::vector<double> weight;      ///< of the strain energy at a particle [m^3]
-  std::vector<Pair> pairs;         ///< beside the links, for the quadratic fit; else empty
-  std::vector<Vec3> sums;          ///< with them, sum_j g_ij per particle [1/m]
-  std::size_t linear_fits = 0;     ///< particles that the quadratic fit left to the linear one
+  // For the quadratic fit, else empty:
+  std::vector<GradientLink> there;  ///< g_ij beside the links [1/m]
+  std::vector<GradientLink> back;   ///< g_ji beside them
+  std::vector<Vec3> sums;           ///< sum_j g_ij per particle [1/m]
+  std::size_t linear_fits = 0;      ///< particles that the quadratic fit left to the linear one
   Consistency consistency;
 
-  bool quadratic() const { return !pairs.empty(); }
+  bool quadratic() const { return !there.empty(); }
   std::size_t count_below(int rank_limit) const;
 };
+
+/// g of a link [1/m].
+inline Eigen::Map<const Vec3> gradient_vector(const GradientLink& link) {
+  return Eigen::Map<const Vec3>(link.g);
+}
+inline Eigen::Map<Vec3> gradient_vector(GradientLink& link) { return Eigen::Map<Vec3>(link.g); }
 
 /// Moment matrices and their inverses, eigenvalues below 1e-4 of the largest dropped. Linear fields are
 /// reproduced to rounding (paper eqs 6-8); by the quadratic fit quadratic ones, too, wherever the neighbours settle
@@ -75,5 +77,10 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
 /// @throws std::invalid_argument when the lengths differ.
 void deformation_gradients(const Neighborhood& links, const MovingLeastSquares& fit,
                            std::span<const Vec3> field, std::span<Mat3> F);
+
+/// The same of a block's particles alone, at most Block::most of them.
+/// @param F written    as many as the block has particles
+void block_deformation_gradients(const Neighborhood& links, const MovingLeastSquares& fit,
+                                 std::span<const Vec3> field, Range particles, std::span<Mat3> F);
 
 }  // namespace deforma

@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "sim/parallel.hpp"
@@ -64,7 +63,7 @@ void find_supports(const PointTree& tree, const Body& body, std::span<const Vec3
 }
 
 std::vector<Link> find_row(const PointTree& tree, std::span<const Body> bodies, Index body,
-                           std::span<const Vec3> rest, Index i, double widest, double length,
+                           std::span<const Vec3> rest, Index i, double widest,
                            std::span<const double> support, Kernel kernel, const LinkFilter& allowed) {
   std::vector<Index> near;
   for (const auto& [local, distance] : tree.within(rest[i], 0.5 * (support[i] + widest))) {
@@ -79,9 +78,7 @@ std::vector<Link> find_row(const PointTree& tree, std::span<const Body> bodies, 
     double W = kernel_weight(kernel, q);
     if (W <= 0.0) continue;
     if (allowed && !(i < j ? allowed(body, rest[i], rest[j]) : allowed(body, rest[j], rest[i]))) continue;
-    float weight = static_cast<float>(W);
-    Vec3 v = weight / length * X;
-    row.push_back({v.x(), v.y(), v.z(), weight, j});
+    row.push_back({j, static_cast<float>(W)});
   }
   return row;
 }
@@ -94,7 +91,10 @@ Neighborhood build_neighborhood(const Particles& particles, std::span<const Body
   std::size_t n = particles.size();
   Neighborhood result;
   result.support.resize(n);
-  result.length.resize(n);
+  result.places.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+    result.places[i] = {{particles.rest[i].x(), particles.rest[i].y(), particles.rest[i].z(), 0.0}};
+  if (settings.portable) result.instructions = portable_instructions();
   std::vector<std::vector<Link>> rows(n);
   for (Index b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
@@ -105,11 +105,9 @@ Neighborhood build_neighborhood(const Particles& particles, std::span<const Body
     auto first = result.support.begin() + body.particles.begin,
          last = result.support.begin() + body.particles.end;
     double widest = *std::max_element(first, last);
-    double length = std::accumulate(first, last, 0.0) / body.particles.size();
     parallel_for_each(body.particles.size(), [&](std::size_t local) {
       Index i = body.particles.begin + static_cast<Index>(local);
-      result.length[i] = length;
-      rows[i] = find_row(tree, bodies, b, rest, i, widest, length, result.support, settings.kernel, allowed);
+      rows[i] = find_row(tree, bodies, b, rest, i, widest, result.support, settings.kernel, allowed);
     });
   }
   result.start.resize(n + 1, 0);

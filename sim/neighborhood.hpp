@@ -4,36 +4,29 @@
 #include <span>
 #include <vector>
 
+#include "sim/gather.hpp"
 #include "sim/kernel.hpp"
 #include "sim/particles.hpp"
 #include "sim/types.hpp"
 
 namespace deforma {
 
-/// One direction of a link: the dimensionless weight W(q), rounded once to single precision, the weighted
-/// rest vector W X_ij / l made with that same rounded weight, and the particle it points to. The reverse link
-/// holds exactly the opposite vector.
-///
-/// The vector is kept in double precision: hourglass control subtracts W u_ij from grad u_i (W X)_ij, two
-/// large numbers under rotation, and with a rounded vector the difference of a rigidly turned body would be a
-/// torque (1e-6 of its angular momentum in 2 s for a cube of 1 MPa).
-struct Link {
-  double x, y, z;
-  float weight;
-  Index j;
-
-  Vec3 vector() const { return {x, y, z}; }
-};
-
 /// Rest links of every particle in compressed rows, symmetric: j is in row i exactly when i is in row j.
 struct Neighborhood {
-  std::vector<Index> start;     ///< n + 1 row starts
-  std::vector<Link> links;      ///< both directions of every pair
-  std::vector<double> support;  ///< h of every particle [m]
-  std::vector<double> length;   ///< l of every particle, one value per body [m]: its mean support radius
+  std::vector<Index> start;                            ///< n + 1 row starts
+  std::vector<Link> links;                             ///< both directions of every pair
+  std::vector<double> support;                         ///< h of every particle [m]
+  std::vector<Place> places;                           ///< X of every particle
+  Instructions instructions = fastest_instructions();  ///< that sums over the links are made with
 
   std::size_t size() const { return support.size(); }
   Range row(std::size_t i) const { return {start[i], start[i + 1]}; }
+  /// W X_ij of a link of particle i [m]; the reverse link's is exactly the opposite.
+  Vec3 vector(std::size_t i, const Link& link) const {
+    return static_cast<double>(link.weight) *
+           (Eigen::Map<const Vec3>(places[link.j].X) - Eigen::Map<const Vec3>(places[i].X));
+  }
+  const Gather& gather() const { return gather_with(instructions); }
 };
 
 /// How neighbours are chosen.
@@ -41,7 +34,8 @@ struct NeighborhoodSettings {
   Kernel kernel = Kernel::cubic_spline;
   int neighbors = 18;  ///< k: how many nearest particles set the mean distance; clipped to N-1, and in a body
                        ///< that is flat or straight fewer, so that they lie no farther away
-  double support = 1.5;  ///< h over the mean distance of the k nearest
+  double support = 1.5;   ///< h over the mean distance of the k nearest
+  bool portable = false;  ///< the same bits on any processor, at the price of some speed
 };
 
 /// Whether two particles of a body, at rest positions a and b [m], may be linked.

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "sim/energy_watch.hpp"
-#include "sim/internal_force.hpp"
 #include "sim/memory.hpp"
 #include "sim/motion.hpp"
 #include "sim/parallel.hpp"
 #include "sim/step_control.hpp"
+#include "sim/stress_stage.hpp"
 
 namespace deforma {
 
@@ -43,30 +43,28 @@ struct Solver::Data {
   SolverStatistics statistics;
 
   unsigned needs = 0;
-  std::vector<Mat3> P, B, F_before;
-  std::vector<double> pair_stiffness;
+  StressStage stress;
+  std::vector<Mat3> P;  // that surface forces leave
   std::vector<Vec3> force, surface_force;
   Motion aside;                   // while forces are asked for elsewhere: the state's own
   std::vector<Vec3> force_aside;  // and its force
   std::vector<std::uint8_t> wanted;
-  double last_step = 0.0;    // that F_before lies behind F [s]
+  double last_step = 0.0;    // that the state's F lies behind the next [s]
   bool fresh = false;        // strain, near pairs and surface belong to the present state
+  bool carried = false;      // and so does the stress that is ready to be gathered
   bool force_known = false;  // velocity Verlet: so does the force
   EnergyWatch watch;
   StepControl control;
 
+  StressStage::Times times() {
+    return {statistics.stages[gather_strain], statistics.stages[gather_force], statistics.effects};
+  }
+
+  // With the stress in the same pass, unless forces on the surface, which the strain moves, have a part in it.
   void find_strain() {
     if (!(needs & needs_strain)) return;
-    PassTimer timer(statistics.stages[gather_strain]);
-    std::swap(state.F, F_before);
-    deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
-    control.observe(state, F_before, last_step);
-    if (!(needs & (needs_strain_rate | needs_surface))) return;
-    if (last_step > 0.0) {
-      // F is linear in u and u advanced by v dt, so this quotient is the gradient of the velocity.
-      parallel_for_each(state.size(),
-                        [&](std::size_t i) { state.F_rate[i] = (state.F[i] - F_before[i]) / last_step; });
-    }
+    carried = !(needs & needs_surface);
+    stress.find_strain(state, last_step, carried, control, times());
   }
 
   void find_initial_rate() {
@@ -96,31 +94,31 @@ struct Solver::Data {
   void refresh() {
     if (fresh) return;
     fresh = true;
-    find_strain();
-    find_near();
-    move_surface();
+    if (needs & needs_surface) {
+      find_strain();
+      find_near();
+      move_surface();
+    } else {
+      find_near();  // what depends on time, before the stress does
+      find_strain();
+    }
   }
 
   void find_force(bool with_stress = true) {
     std::fill(force.begin(), force.end(), Vec3::Zero());
     if (needs & needs_strain) {
-      std::fill(P.begin(), P.end(), Mat3::Zero());
       if (needs & needs_surface) {
+        std::fill(P.begin(), P.end(), Mat3::Zero());
         for (Index s : state.surface.active) surface_force[s].setZero();
         run_effects(Effect::at_surface_force,
                     [&](Effect& effect) { effect.surface_force(state, surface_force); });
         PassTimer timer(statistics.stages[surface_motion]);
         add_surface_force(state.surface, state.fit, surface_force, P, force);
       }
-      if (with_stress)
-        run_effects(Effect::at_stress,
-                    [&](Effect& effect) { effect.stress(state, state.F, P, pair_stiffness); });
-      else
-        std::fill(pair_stiffness.begin(), pair_stiffness.end(), 0.0);
+      if (!carried || !with_stress) stress.carry(state, P, with_stress, times());
+      carried = false;
       PassTimer timer(statistics.stages[gather_force]);
-      carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
-                     pair_stiffness, B, force);
-      add_internal_force(state.links, state.fit, B, pair_stiffness, state.particles.displacement, force);
+      stress.add_force(state, force);
     }
     run_effects(Effect::at_force, [&](Effect& effect) { effect.force(state, force); });
   }
@@ -131,6 +129,7 @@ struct Solver::Data {
     force_aside.resize(state.size());
     aside.exchange(state);
     std::swap(force, force_aside);
+    carried = false;
     if (needs & needs_strain) deformation_gradients(state.links, state.fit, displacement, state.F);
     find_near();
     move_surface();
@@ -242,24 +241,13 @@ struct Solver::Data {
     return ledger;
   }
 
-  // The force that answers strain alone, at other displacements than the state's.
-  void strain_force(std::span<const Vec3> displacement, std::span<Vec3> answer, std::vector<Mat3>& F) {
-    deformation_gradients(state.links, state.fit, displacement, F);
-    std::fill(P.begin(), P.end(), Mat3::Zero());
-    for (const auto& effect : effects)
-      if (!(effect->needs() & needs_strain_rate)) effect->stress(state, F, P, pair_stiffness);
-    std::fill(answer.begin(), answer.end(), Vec3::Zero());
-    carried_stress(state.particles, state.links, state.fit, displacement, F, P, pair_stiffness, B, answer);
-    add_internal_force(state.links, state.fit, B, pair_stiffness, displacement, answer);
-  }
-
   void measure_stiffness() {
     if (!(needs & needs_strain)) return;
     if (!control.stale(state, effects)) return;
     PassTimer timer(statistics.stages[step_measurement]);
-    std::vector<Mat3> F(state.size());
-    control.measure(state,
-                    [&](std::span<const Vec3> u, std::span<Vec3> answer) { strain_force(u, answer, F); });
+    carried = false;
+    control.measure(
+        state, [&](std::span<const Vec3> u, std::span<Vec3> answer) { stress.answer(state, u, answer); });
   }
 
   // Limits of springs in parallel on one mass add as the squares of their frequencies.
@@ -292,13 +280,10 @@ Solver::Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const 
   }
   if (d.needs & (needs_strain_rate | needs_surface | needs_pair_stiffness)) d.needs |= needs_strain;
   d.control = StepControl(d.state.bodies.size());
-  if (d.needs & needs_strain) {
-    d.P.resize(n);
-    d.B.resize(n);
-    if (d.needs & needs_pair_stiffness) d.pair_stiffness.assign(n, 0.0);
-  }
-  d.F_before = d.state.F;
+  if (d.needs & needs_strain) d.stress = StressStage(d.state, d.effects, d.needs);
+  if (d.needs & (needs_strain_rate | needs_surface)) d.state.F_rate.assign(n, Mat3::Zero());
   if (d.needs & needs_surface) {
+    d.P.resize(n);
     d.surface_force.assign(m, Vec3::Zero());
     d.wanted.resize(m);
   }
@@ -386,10 +371,10 @@ const SolverStatistics& Solver::statistics() const {
   Data& d = *data_;
   for (std::size_t e = 0; e < d.effects.size(); ++e) d.statistics.effects[e].bytes = d.effects[e]->bytes();
   auto& stages = d.statistics.stages;
-  stages[gather_strain].bytes = strain_bytes(d.state) + bytes_of(d.F_before);
+  stages[gather_strain].bytes = strain_bytes(d.state);
   stages[surface_motion].bytes =
       surface_bytes(d.state.surface) + bytes_of(d.surface_force) + bytes_of(d.wanted);
-  stages[gather_force].bytes = bytes_of(d.P) + bytes_of(d.B) + bytes_of(d.pair_stiffness) + bytes_of(d.force);
+  stages[gather_force].bytes = bytes_of(d.P) + d.stress.bytes() + bytes_of(d.force);
   stages[integration].bytes = particle_bytes(d.state.particles);
   return d.statistics;
 }

@@ -14,7 +14,6 @@ void prepare_state(State& state, const NeighborhoodSettings& settings, const Lin
   surface.position = surface.rest;
   surface.velocity.assign(surface.size(), Vec3::Zero());
   state.F = state.fit.plane;
-  state.F_rate.assign(state.size(), Mat3::Zero());
   state.fixed.assign(state.size(), 0);
 }
 

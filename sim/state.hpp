@@ -21,7 +21,7 @@ struct State {
   std::vector<Obstacle> obstacles;
 
   double time = 0.0;                ///< [s]
-  std::vector<Mat3> F;              ///< deformation gradient, when some effect needs it      n
+  std::vector<Mat3> F;              ///< deformation gradient                                 n
   std::vector<Mat3> F_rate;         ///< its rate [1/s], when some effect needs it            n
   std::vector<std::uint8_t> fixed;  ///< 1 where a pin prescribes the motion                  n
 

@@ -1,7 +1,5 @@
 #include "sim/step_control.hpp"
 
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -24,29 +22,6 @@ double stiffening(const Mat3& F) {
   return 0.5 + squared + C.squaredNorm() + std::abs(F.col(0).dot(C.col(0)) - 1.0) * std::sqrt(squared);
 }
 
-struct StrainNow {
-  double stiffening = 0.0;  // the largest; infinity when some F is not finite, or beyond reason
-  double change = 0.0;      // the largest since the last step, squared, relative
-};
-
-StrainNow survey(std::span<const Mat3> F, std::span<const Mat3> F_before, Range particles) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(particles.begin, particles.end, 4096), StrainNow{},
-      [&](const tbb::blocked_range<std::size_t>& block, StrainNow now) {
-        for (std::size_t i = block.begin(); i != block.end(); ++i) {
-          const double squared = F[i].squaredNorm();
-          if (!(squared < exploded * exploded))
-            return StrainNow{std::numeric_limits<double>::infinity(), 0.0};
-          now.stiffening = std::max(now.stiffening, stiffening(F[i]));
-          now.change = std::max(now.change, (F[i] - F_before[i]).squaredNorm() / std::max(squared, 1.0));
-        }
-        return now;
-      },
-      [](const StrainNow& a, const StrainNow& b) {
-        return StrainNow{std::max(a.stiffening, b.stiffening), std::max(a.change, b.change)};
-      });
-}
-
 double smallest_spacing(const State& state) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const Body& body : state.bodies) smallest = std::min(smallest, body.spacing);
@@ -60,12 +35,24 @@ StepControl::StepControl(std::size_t bodies) {
   conditions_.key.assign(bodies, 0.0);
 }
 
-void StepControl::observe(const State& state, std::span<const Mat3> F_before, double last_step) {
+void StrainSurvey::look(const Mat3& F, const Mat3& F_before) {
+  const double squared = F.squaredNorm();
+  if (!(squared < exploded * exploded)) {
+    stiffening = std::numeric_limits<double>::infinity();
+    return;
+  }
+  stiffening = std::max(stiffening, deforma::stiffening(F));
+  change = std::max(change, (F - F_before).squaredNorm() / std::max(squared, 1.0));
+}
+
+void StepControl::observe(std::span<const Block> blocks, std::span<const StrainSurvey> surveys,
+                          double last_step) {
   double change = 0.0;
-  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
-    const StrainNow now = survey(state.F, F_before, state.bodies[b].particles);
-    conditions_.stiffening[b] = now.stiffening;
-    change = std::max(change, now.change);
+  std::fill(conditions_.stiffening.begin(), conditions_.stiffening.end(), 0.0);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    double& stiffening = conditions_.stiffening[blocks[b].body];
+    stiffening = std::max(stiffening, surveys[b].stiffening);
+    change = std::max(change, surveys[b].change);
   }
   strain_rate_ = last_step > 0.0 ? std::sqrt(change) / last_step : 0.0;
 }

@@ -5,11 +5,21 @@
 #include <span>
 #include <vector>
 
+#include "sim/blocks.hpp"
 #include "sim/effect.hpp"
 #include "sim/state.hpp"
 #include "sim/stiffness.hpp"
 
 namespace deforma {
+
+/// What the strain of some particles asks of the step.
+struct StrainSurvey {
+  double stiffening =
+      0.0;  ///< the largest, up to a constant factor; infinity where some F is not finite or exploded
+  double change = 0.0;  ///< the largest of F since the last step, squared, relative
+
+  void look(const Mat3& F, const Mat3& F_before);
+};
 
 /// Bounds the substep as far as strain is concerned: by the highest frequency, measured on the real force and again
 /// when a body's stretch or a stiffness has changed, and by how fast the strain itself changes.
@@ -20,9 +30,9 @@ class StepControl {
   explicit StepControl(std::size_t bodies);
 
   /// Takes note of the strain now.
-  /// @param F_before  deformation gradients one step ago                                 n
-  /// @param last_step that they lie behind [s]; 0: nothing is known of the change
-  void observe(const State& state, std::span<const Mat3> F_before, double last_step);
+  /// @param surveys   of each block, against the F of one step ago
+  /// @param last_step that this lies behind [s]; 0: nothing is known of the change
+  void observe(std::span<const Block> blocks, std::span<const StrainSurvey> surveys, double last_step);
 
   /// False when some F observed is not finite, or is no deformation any more.
   bool finite() const;

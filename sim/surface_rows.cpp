@@ -17,8 +17,8 @@ std::vector<SurfaceRows::Entry> make_row(const State& state, std::size_t s) {
     double own = tie.weight;
     const Range links = state.links.row(i);
     for (Index l = links.begin; l < links.end; ++l) {
-      const double c = state.fit.quadratic() ? tie.weight * state.fit.pairs[l].there.dot(tie.arm)
-                                             : state.links.links[l].vector().dot(lever);
+      const double c = state.fit.quadratic() ? tie.weight * gradient_vector(state.fit.there[l]).dot(tie.arm)
+                                             : state.links.vector(i, state.links.links[l]).dot(lever);
       row.emplace_back(state.links.links[l].j, c);
       own -= c;
     }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/parallel.hpp"
+#include "sim/per_body.hpp"
 
 namespace deforma {
 
@@ -34,32 +34,32 @@ struct Damped {
 
 class Damping : public Effect {
  public:
-  Damping(const State& state, std::span<const EffectTable> tables) {
+  Damping(const State& state, std::span<const EffectTable> tables) : damped_(state.bodies.size()) {
     for (const EffectTable& table : tables) {
       const Body& body = state.bodies[table.body];
       const Parameters& p = table.parameters;
-      damped_.push_back({body.particles, body.spacing, p.number("rate"), p.number("viscosity")});
-      viscous_ = viscous_ || damped_.back().viscous();
+      const Damped& damped =
+          damped_.add(table.body, {body.particles, body.spacing, p.number("rate"), p.number("viscosity")});
+      viscous_ = viscous_ || damped.viscous();
     }
   }
 
   std::string_view name() const override { return "damping"; }
   unsigned needs() const override { return viscous_ ? needs_strain | needs_strain_rate : needs_nothing; }
 
-  void stress(const State& state, std::span<const Mat3> F, std::span<Mat3> P, std::span<double>) override {
-    for (const Damped& body : damped_) {
-      double eta = body.viscosity.at(state.time);
-      if (!(eta > 0.0)) continue;
-      parallel_for_each(body.particles.size(), [&](std::size_t local) {
-        std::size_t i = body.particles.begin + local;
-        Mat3 half = F[i].transpose() * state.F_rate[i];
-        P[i] += (0.5 * eta) * F[i] * (half + half.transpose());
-      });
+  void stress(const State& state, const Block& block, std::span<const Mat3> F, std::span<Mat3> P,
+              std::span<double>) override {
+    const Damped* damped = damped_.of(block.body);
+    const double eta = damped ? damped->viscosity.at(state.time) : 0.0;
+    if (!(eta > 0.0)) return;
+    for (std::size_t k = 0; k < block.size(); ++k) {
+      const Mat3 half = F[k].transpose() * state.F_rate[block.particles.begin + k];
+      P[k] += (0.5 * eta) * F[k] * (half + half.transpose());
     }
   }
 
   void finish(State& state, double dt) override {
-    for (const Damped& body : damped_) {
+    for (const auto& [index, body] : damped_) {
       double rate = body.rate.at(state.time);
       if (!(rate > 0.0)) continue;
       double kept = 1.0 / (1.0 + rate * dt);
@@ -72,7 +72,7 @@ class Damping : public Effect {
   // lattices and supports in use the largest eigenvalue of the discrete operator stays below 4 eta/(rho d^2).
   double stable_step(const State& state) const override {
     double step = std::numeric_limits<double>::infinity();
-    for (const Damped& body : damped_) {
+    for (const auto& [index, body] : damped_) {
       double eta = body.viscosity.at(state.time);
       if (!(eta > 0.0)) continue;
       double stretch = 1.0, density = std::numeric_limits<double>::infinity();
@@ -85,10 +85,10 @@ class Damping : public Effect {
     return step;
   }
 
-  std::size_t bytes() const override { return damped_.size() * sizeof(Damped); }
+  std::size_t bytes() const override { return damped_.bytes(); }
 
  private:
-  std::vector<Damped> damped_;
+  PerBody<Damped> damped_;
   bool viscous_ = false;
 };
 

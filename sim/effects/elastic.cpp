@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "sim/material.hpp"
-#include "sim/parallel.hpp"
+#include "sim/per_body.hpp"
 
 namespace deforma {
 
@@ -39,17 +39,17 @@ struct Solid {
 
 class Elastic : public Effect {
  public:
-  Elastic(State& state, std::span<const EffectTable> tables) {
+  Elastic(State& state, std::span<const EffectTable> tables) : solids_(state.bodies.size()) {
     for (const EffectTable& table : tables) {
       const Parameters& p = table.parameters;
-      solids_.push_back({state.bodies[table.body].particles,
-                         material_from_name(p.text("material")),
-                         p.number("young"),
-                         p.number("poisson"),
-                         {}});
-      solids_.back().update(state.time);
+      Solid& solid = solids_.add(table.body, {state.bodies[table.body].particles,
+                                              material_from_name(p.text("material")),
+                                              p.number("young"),
+                                              p.number("poisson"),
+                                              {}});
+      solid.update(state.time);
       state.bodies[table.body].young = p.number("young");
-      state.bodies[table.body].modulus = solids_.back().lame.p_wave_modulus();
+      state.bodies[table.body].modulus = solid.lame.p_wave_modulus();
     }
   }
 
@@ -57,24 +57,24 @@ class Elastic : public Effect {
   unsigned needs() const override { return needs_strain; }
 
   bool near(const State& state) override {
-    for (Solid& solid : solids_)
+    for (auto& [body, solid] : solids_)
       if (solid.young.varies() || solid.poisson.varies()) solid.update(state.time);
     return false;
   }
 
-  void stress(const State& state, std::span<const Mat3> F, std::span<Mat3> P, std::span<double>) override {
+  void stress(const State& state, const Block& block, std::span<const Mat3> F, std::span<Mat3> P,
+              std::span<double>) override {
+    const Solid* solid = solids_.of(block.body);
+    if (!solid) return;
     const MovingLeastSquares& fit = state.fit;
-    for (const Solid& solid : solids_)
-      parallel_for_each(solid.particles.size(), [&](std::size_t local) {
-        std::size_t i = solid.particles.begin + local;
-        P[i] += fit.rank[i] == 3 ? first_piola_kirchhoff(solid.material, solid.lame, F[i])
-                                 : reduced_first_piola_kirchhoff(solid.lame, F[i], fit.plane[i], fit.rank[i]);
-      });
+    for (std::size_t k = 0, i = block.particles.begin; k < block.size(); ++k, ++i)
+      P[k] += fit.rank[i] == 3 ? first_piola_kirchhoff(solid->material, solid->lame, F[k])
+                               : reduced_first_piola_kirchhoff(solid->lame, F[k], fit.plane[i], fit.rank[i]);
   }
 
   double energy(const State& state) const override {
     double sum = 0.0;
-    for (const Solid& solid : solids_)
+    for (const auto& [body, solid] : solids_)
       for (Index i = solid.particles.begin; i < solid.particles.end; ++i)
         sum += state.fit.weight[i] *
                (state.fit.rank[i] == 3
@@ -83,15 +83,14 @@ class Elastic : public Effect {
     return sum;
   }
 
-  void stiffness_key(const State& state, std::span<double> per_body) const override {
-    for (const Solid& solid : solids_)
-      per_body[state.particles.body[solid.particles.begin]] += std::log(solid.lame.p_wave_modulus());
+  void stiffness_key(const State&, std::span<double> per_body) const override {
+    for (const auto& [body, solid] : solids_) per_body[body] += std::log(solid.lame.p_wave_modulus());
   }
 
-  std::size_t bytes() const override { return solids_.size() * sizeof(Solid); }
+  std::size_t bytes() const override { return solids_.bytes(); }
 
  private:
-  std::vector<Solid> solids_;
+  PerBody<Solid> solids_;
 };
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/parallel.hpp"
+#include "sim/per_body.hpp"
 
 namespace deforma {
 
@@ -24,7 +24,7 @@ const Setting settings[] = {
 
 class Hourglass : public Effect {
  public:
-  Hourglass(const State& state, std::span<const EffectTable> tables) {
+  Hourglass(const State& state, std::span<const EffectTable> tables) : zeta_(state.bodies.size()) {
     for (const EffectTable& table : tables) {
       const Body& body = state.bodies[table.body];
       if (!(body.young.at(state.time) > 0.0))
@@ -32,33 +32,29 @@ class Hourglass : public Effect {
             "hourglass: body '{}' has no elastic table, whose Young's modulus it scales with", body.name));
       // The quadratic fit's residual does not see bending, so that it can, and must, be stiffer.
       const double usual = state.fit.quadratic() ? 10.0 : 1.0;
-      controlled_.push_back({table.body, table.parameters.given("stiffness")
-                                             ? table.parameters.number("stiffness")
-                                             : Curve<double>(usual)});
+      zeta_.add(table.body, table.parameters.given("stiffness") ? table.parameters.number("stiffness")
+                                                                : Curve<double>(usual));
     }
   }
 
   std::string_view name() const override { return "hourglass"; }
   unsigned needs() const override { return needs_strain | needs_pair_stiffness; }
 
-  void stress(const State& state, std::span<const Mat3>, std::span<Mat3>,
+  void stress(const State& state, const Block& block, std::span<const Mat3>, std::span<Mat3>,
               std::span<double> pair_stiffness) override {
-    for (const Controlled& body : controlled_) {
-      Range particles = state.bodies[body.index].particles;
-      double modulus = body.zeta.at(state.time) * state.bodies[body.index].young.at(state.time);
-      parallel_for_each(particles.size(), [&](std::size_t local) {
-        std::size_t i = particles.begin + local;
-        pair_stiffness[i] = per_particle(state, i, modulus);
-      });
-    }
+    const Curve<double>* zeta = zeta_.of(block.body);
+    if (!zeta) return;
+    const double modulus = zeta->at(state.time) * state.bodies[block.body].young.at(state.time);
+    for (std::size_t k = 0; k < block.size(); ++k)
+      pair_stiffness[k] = per_particle(state, block.particles.begin + k, modulus);
   }
 
   double energy(const State& state) const override {
     double sum = 0.0;
     const Neighborhood& links = state.links;
-    for (const Controlled& body : controlled_) {
-      Range particles = state.bodies[body.index].particles;
-      double modulus = body.zeta.at(state.time) * state.bodies[body.index].young.at(state.time);
+    for (const auto& [body, zeta] : zeta_) {
+      Range particles = state.bodies[body].particles;
+      double modulus = zeta.at(state.time) * state.bodies[body].young.at(state.time);
       for (Index i = particles.begin; i < particles.end; ++i) {
         Mat3 gradient = state.F[i] - state.fit.plane[i];
         double residual = 0.0;
@@ -78,24 +74,19 @@ class Hourglass : public Effect {
   }
 
   void stiffness_key(const State& state, std::span<double> per_body) const override {
-    for (const Controlled& body : controlled_) per_body[body.index] += std::log(body.zeta.at(state.time));
+    for (const auto& [body, zeta] : zeta_) per_body[body] += std::log(zeta.at(state.time));
   }
 
-  std::size_t bytes() const override { return controlled_.size() * sizeof(Controlled); }
+  std::size_t bytes() const override { return zeta_.bytes(); }
 
  private:
-  struct Controlled {
-    Index index;
-    Curve<double> zeta;
-  };
-
-  // s_i with c_ij = s_i W_ij; the links' weights and tr A are dimensionless, hence l^2.
+  // s_i with c_ij = s_i W_ij.
   static double per_particle(const State& state, std::size_t i, double modulus) {
-    double trace = state.fit.trace[i] * state.links.length[i] * state.links.length[i];
+    const double trace = state.fit.trace[i];
     return trace > 0.0 ? modulus * state.particles.volume[i] / trace : 0.0;
   }
 
-  std::vector<Controlled> controlled_;
+  PerBody<Curve<double>> zeta_;
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/material.hpp"
-#include "sim/parallel.hpp"
+#include "sim/per_body.hpp"
 
 namespace deforma {
 
@@ -21,50 +21,49 @@ const Setting settings[] = {
 
 class Volume : public Effect {
  public:
-  Volume(const State& state, std::span<const EffectTable> tables) {
+  Volume(const State& state, std::span<const EffectTable> tables) : kept_(state.bodies.size()) {
     for (const EffectTable& table : tables)
-      kept_.push_back({state.bodies[table.body].particles, table.parameters.number("stiffness")});
+      kept_.add(table.body, {state.bodies[table.body].particles, table.parameters.number("stiffness")});
   }
 
   std::string_view name() const override { return "volume"; }
   unsigned needs() const override { return needs_strain; }
 
-  void stress(const State& state, std::span<const Mat3> F, std::span<Mat3> P, std::span<double>) override {
-    for (const Kept& body : kept_) {
-      double kv = body.stiffness.at(state.time);
-      parallel_for_each(body.particles.size(), [&](std::size_t local) {
-        std::size_t i = body.particles.begin + local;
-        if (state.fit.rank[i] < 3) return;  // a sheet or a rope encloses no volume
-        Mat3 C = cofactor(F[i]);
-        P[i] += kv * (F[i].col(0).dot(C.col(0)) - 1.0) * C;
-      });
+  void stress(const State& state, const Block& block, std::span<const Mat3> F, std::span<Mat3> P,
+              std::span<double>) override {
+    const Kept* kept = kept_.of(block.body);
+    if (!kept) return;
+    const double kv = kept->stiffness.at(state.time);
+    for (std::size_t k = 0; k < block.size(); ++k) {
+      if (state.fit.rank[block.particles.begin + k] < 3) continue;  // a sheet or a rope encloses no volume
+      const Mat3 C = cofactor(F[k]);
+      P[k] += kv * (F[k].col(0).dot(C.col(0)) - 1.0) * C;
     }
   }
 
   double energy(const State& state) const override {
     double sum = 0.0;
-    for (const Kept& body : kept_)
-      for (Index i = body.particles.begin; i < body.particles.end; ++i) {
+    for (const auto& [body, kept] : kept_)
+      for (Index i = kept.particles.begin; i < kept.particles.end; ++i) {
         if (state.fit.rank[i] < 3) continue;
         double change = state.F[i].determinant() - 1.0;
-        sum += 0.5 * body.stiffness.at(state.time) * state.fit.weight[i] * change * change;
+        sum += 0.5 * kept.stiffness.at(state.time) * state.fit.weight[i] * change * change;
       }
     return sum;
   }
 
   void stiffness_key(const State& state, std::span<double> per_body) const override {
-    for (const Kept& body : kept_)
-      per_body[state.particles.body[body.particles.begin]] += std::log(body.stiffness.at(state.time));
+    for (const auto& [body, kept] : kept_) per_body[body] += std::log(kept.stiffness.at(state.time));
   }
 
-  std::size_t bytes() const override { return kept_.size() * sizeof(Kept); }
+  std::size_t bytes() const override { return kept_.bytes(); }
 
  private:
   struct Kept {
     Range particles;
     Curve<double> stiffness;
   };
-  std::vector<Kept> kept_;
+  PerBody<Kept> kept_;
 };
 
 }  // namespace

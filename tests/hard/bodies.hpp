@@ -94,20 +94,18 @@ inline bool finite_everywhere(const State& state) {
   };
   const Particles& p = state.particles;
   const MovingLeastSquares& fit = state.fit;
-  bool links = std::all_of(state.links.links.begin(), state.links.links.end(), [](const Link& link) {
-    return link.vector().allFinite() && std::isfinite(link.weight);
-  });
-  bool pairs = std::all_of(fit.pairs.begin(), fit.pairs.end(),
-                           [](const auto& pair) { return pair.there.allFinite() && pair.back.allFinite(); });
+  bool links = std::all_of(state.links.links.begin(), state.links.links.end(),
+                           [](const Link& link) { return std::isfinite(link.weight); });
+  bool pairs = std::all_of(fit.there.begin(), fit.there.end(),
+                           [](const GradientLink& link) { return gradient_vector(link).allFinite(); });
   bool ties =
       std::all_of(state.surface.skin.ties.begin(), state.surface.skin.ties.end(),
                   [](const Skin::Tie& tie) { return std::isfinite(tie.weight) && tie.arm.allFinite(); });
   return finite(p.rest) && finite(p.displacement) && finite(p.velocity) && numbers(p.mass) &&
-         numbers(p.volume) && numbers(state.links.support) && numbers(state.links.length) && links &&
-         finite(fit.inverse) && finite(fit.plane) && numbers(fit.trace) && pairs && ties &&
-         finite(state.surface.rest) && numbers(state.surface.area) && finite(state.surface.position) &&
-         finite(state.surface.velocity) && finite(state.F) && finite(state.F_rate) &&
-         std::isfinite(state.time);
+         numbers(p.volume) && numbers(state.links.support) && links && finite(fit.inverse) &&
+         finite(fit.plane) && numbers(fit.trace) && pairs && ties && finite(state.surface.rest) &&
+         numbers(state.surface.area) && finite(state.surface.position) && finite(state.surface.velocity) &&
+         finite(state.F) && finite(state.F_rate) && std::isfinite(state.time);
 }
 
 inline double largest_norm(std::span<const Vec3> field) {

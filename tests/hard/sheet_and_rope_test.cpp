@@ -26,7 +26,7 @@ std::vector<Mat3> stress_at(State& state, const std::vector<EffectRequest>& requ
   refresh(state, effects);
   std::vector<Mat3> P(state.size(), Mat3::Zero());
   std::vector<double> pair_stiffness(state.size(), 0.0);
-  for (const auto& effect : effects) effect->stress(state, state.F, P, pair_stiffness);
+  add_stress(state, effects, P, pair_stiffness);
   return P;
 }
 

@@ -18,8 +18,8 @@ std::vector<Vec3> left_by_uniform_stress(const State& state) {
   for (std::size_t i = 0; i < state.size(); ++i) {
     const Range row = state.links.row(i);
     for (Index l = row.begin; l < row.end; ++l) {
-      sum[state.links.links[l].j] += state.fit.weight[i] * state.fit.pairs[l].there;
-      sum[i] -= state.fit.weight[i] * state.fit.pairs[l].there;
+      sum[state.links.links[l].j] += state.fit.weight[i] * gradient_vector(state.fit.there[l]);
+      sum[i] -= state.fit.weight[i] * gradient_vector(state.fit.there[l]);
     }
   }
   return sum;
@@ -69,7 +69,7 @@ TEST(Consistency, KeepsQuadraticFieldsAndBothWaysOfEveryLink) {
   const std::vector<Index> reverse = reverse_links(state.links);
   for (std::size_t l = 0; l < reverse.size(); ++l) {
     EXPECT_EQ(reverse[reverse[l]], l);
-    EXPECT_EQ(state.fit.pairs[l].back, state.fit.pairs[reverse[l]].there);
+    EXPECT_EQ(gradient_vector(state.fit.back[l]), gradient_vector(state.fit.there[reverse[l]]));
   }
 }
 
@@ -80,8 +80,8 @@ TEST(Consistency, OfABodyIsTheSameWhateverElseThereIs) {
   prepare_state(both, {.neighbors = 30, .support = 1.7}, {}, {}, Gradient::quadratic);
   ASSERT_GT(alone.fit.consistency.corrected, 0u);
   EXPECT_EQ(both.fit.consistency.corrected, 2 * alone.fit.consistency.corrected);
-  for (std::size_t l = 0; l < alone.fit.pairs.size(); ++l)
-    EXPECT_EQ(both.fit.pairs[l].there, alone.fit.pairs[l].there);
+  for (std::size_t l = 0; l < alone.fit.there.size(); ++l)
+    EXPECT_EQ(gradient_vector(both.fit.there[l]), gradient_vector(alone.fit.there[l]));
   const CompleteNeighborhoods complete =
       complete_neighborhoods(both.particles, both.bodies, both.links, both.surface);
   const std::vector<Vec3> left = left_by_uniform_stress(both);

@@ -73,10 +73,11 @@ TEST(Damping, ViscousStressOpposesTheRateOfStrain) {
   auto effects = make_effects(state, requests);
   deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
   scramble(state, 0.5, 23);
+  state.F_rate.resize(state.size());
   deformation_gradients(state.links, state.fit, state.particles.displacement, state.F_rate);
   std::vector<Mat3> P(state.size(), Mat3::Zero());
-  std::vector<double> none;
-  effects[0]->stress(state, state.F, P, none);
+  std::vector<double> none(state.size());
+  add_stress(state, effects, P, none);
   for (std::size_t i = 0; i < state.size(); ++i) {
     EXPECT_GT(P[i].cwiseProduct(state.F_rate[i]).sum(), 0.0);
     Mat3 tau = P[i] * state.F[i].transpose();

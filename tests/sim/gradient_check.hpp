@@ -35,20 +35,36 @@ inline void refresh(State& state, std::span<const std::unique_ptr<Effect>> effec
   }
 }
 
+/// The stress of some effects together at the state's F, as the solver asks for it.
+inline void add_stress(const State& state, std::span<const std::unique_ptr<Effect>> effects,
+                       std::span<Mat3> P, std::span<double> pair_stiffness) {
+  for (const Block& block : make_blocks(state.bodies))
+    for (const auto& effect : effects)
+      effect->stress(state, block, part(state.F, block), P.subspan(block.particles.begin, block.size()),
+                     pair_stiffness.subspan(block.particles.begin, block.size()));
+}
+
+/// The force that answers a stress at the state's displacements.
+inline void add_internal_force(const State& state, std::span<const Mat3> P,
+                               std::span<const double> pair_stiffness, std::span<Vec3> force) {
+  InternalForce internal(state, !pair_stiffness.empty());
+  internal.carry(state, {0, static_cast<Index>(state.size())}, state.particles.displacement, state.F, P,
+                 pair_stiffness);
+  internal.add_to(force, state);
+}
+
 /// The force of some effects together at the state's displacements, by the solver's stages. Refreshes the
 /// state.
 inline std::vector<Vec3> total_force(State& state, std::span<const std::unique_ptr<Effect>> effects) {
   refresh(state, effects);
   std::size_t n = state.size();
-  std::vector<Mat3> P(n, Mat3::Zero()), B(n);
+  std::vector<Mat3> P(n, Mat3::Zero());
   std::vector<double> pair_stiffness(n, 0.0);
   std::vector<Vec3> force(n, Vec3::Zero()), surface_force(state.surface.size(), Vec3::Zero());
   for (const auto& effect : effects) effect->surface_force(state, surface_force);
   add_surface_force(state.surface, state.fit, surface_force, P, force);
-  for (const auto& effect : effects) effect->stress(state, state.F, P, pair_stiffness);
-  carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P,
-                 pair_stiffness, B, force);
-  add_internal_force(state.links, state.fit, B, pair_stiffness, state.particles.displacement, force);
+  add_stress(state, effects, P, pair_stiffness);
+  add_internal_force(state, P, pair_stiffness, force);
   for (const auto& effect : effects) effect->force(state, force);
   return force;
 }

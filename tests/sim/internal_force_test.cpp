@@ -96,7 +96,7 @@ TEST(InternalForce, TheTrapezoidResidualIsBlindToQuadraticFields) {
 TEST(InternalForce, KeepsMomentumForAnyStress) {
   for (State state : {irregular_body(), quadratic_body()}) {
     scramble(state, 0.05);
-    std::vector<Mat3> P(state.size()), B(state.size());
+    std::vector<Mat3> P(state.size());
     std::vector<double> s(state.size());
     std::mt19937 generator(3);
     for (std::size_t i = 0; i < state.size(); ++i) {
@@ -104,9 +104,7 @@ TEST(InternalForce, KeepsMomentumForAnyStress) {
       s[i] = generator() / 4294967296.0;
     }
     std::vector<Vec3> force(state.size(), Vec3::Zero());
-    carried_stress(state.particles, state.links, state.fit, state.particles.displacement, state.F, P, s, B,
-                   force);
-    add_internal_force(state.links, state.fit, B, s, state.particles.displacement, force);
+    add_internal_force(state, P, s, force);
     Vec3 sum = Vec3::Zero();
     double size = 0.0;
     for (const Vec3& f : force) sum += f, size += f.norm();
@@ -144,10 +142,12 @@ TEST(InternalForce, GivesNoTorqueUnderAnyDeformation) {
 
 TEST(InternalForce, RefusesArraysOfDifferentLength) {
   State state = irregular_body();
-  std::vector<Mat3> B(3);
+  std::vector<Mat3> P(3);
   std::vector<Vec3> force(state.size());
-  EXPECT_THROW(add_internal_force(state.links, state.fit, B, {}, state.particles.displacement, force),
-               std::invalid_argument);
+  EXPECT_THROW(add_internal_force(state, P, {}, force), std::invalid_argument);
+  P.resize(state.size());
+  force.resize(3);
+  EXPECT_THROW(add_internal_force(state, P, {}, force), std::invalid_argument);
 }
 
 }  // namespace

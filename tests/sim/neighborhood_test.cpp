@@ -35,7 +35,7 @@ TEST(Neighborhood, GivesBothDirectionsExactlyOppositeVectors) {
       auto found = std::find_if(links.links.begin() + back.begin, links.links.begin() + back.end,
                                 [&](const Link& link) { return link.j == i; });
       ASSERT_NE(found, links.links.begin() + back.end);
-      EXPECT_EQ(found->vector(), -links.links[l].vector());
+      EXPECT_EQ(links.vector(j, *found), -links.vector(i, links.links[l]));
       EXPECT_EQ(found->weight, links.links[l].weight);
     }
 }

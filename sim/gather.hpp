@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "sim/link.hpp"
+
+namespace deforma {
+
+/// Which instructions the gathers are made of. All add in the same order: `baseline` and `avx2` give the same bits on
+/// any processor, `avx2_fma`, which rounds a product and its sum once, others by rounding.
+enum class Instructions {
+  baseline,  ///< what every x86-64 processor has (SSE2), or whatever this machine is
+  avx2,
+  avx2_fma
+};
+
+std::string_view instructions_name(Instructions instructions);
+
+/// Whether this processor has them.
+bool supports(Instructions instructions);
+
+/// The fastest that this processor has.
+Instructions fastest_instructions();
+
+/// The fastest of those that give the same bits on every processor.
+Instructions portable_instructions();
+
+/// The rows of some particles, [begin, end): row i is links[start[i]] ... links[start[i + 1] - 1].
+template <typename RowLink>
+struct Rows {
+  const std::uint32_t* start;
+  const RowLink* links;
+  std::size_t begin, end;
+};
+
+/// The loops over neighbours, in which a simulation spends its time, on plain arrays. Each particle gathers from its
+/// neighbours and writes only what is its own, so that rows run in any order with one result. Sums run over the even
+/// links and the odd ones apart, to be added at the end: two chains of additions are under way at once.
+///
+/// Vectors of three are three doubles; row k of what is written belongs to particle begin + k.
+struct Gather {
+  /// sums[k] = sum_j u_ij (W X_ij)^T: three rows of four doubles, the fourth of each without meaning (eq 8).
+  void (*linear_gradient)(const Rows<Link>& rows, const Place* places, const double* field, double* sums);
+
+  /// sums[k] = sum_j u_ij g_ij^T, as above.
+  void (*quadratic_gradient)(const Rows<GradientLink>& rows, const double* field, double* sums);
+
+  /// Adds sum_j (B_i + B_j) W X_ij + (s_i + s_j) W u_ij to force[k] (eq 17 and its reaction). A carrier holds X and s
+  /// in its head and in each line a row of B and that component of u.
+  void (*linear_force)(const Rows<Link>& rows, const Carrier* carriers, double* force);
+
+  /// With e_ij = u_ij - (G_i + G_j) X_ij / 2 and c = (s_i + s_j) W: adds sum_j c e_ij to force[k] and writes
+  /// moments[k] = sum_j c e_ij X_ij^T, three columns of four doubles. A carrier holds u and s in its head and in each
+  /// line a column of G = grad u and that component of X.
+  void (*quadratic_residual)(const Rows<Link>& rows, const Carrier* carriers, double* force, double* moments);
+
+  /// Subtracts sum_j B_j g_ji from force[k]. The lines of a carrier hold the rows of B; rows are of g_ji.
+  void (*quadratic_force)(const Rows<GradientLink>& rows, const Carrier* carriers, double* force);
+};
+
+/// @throws std::invalid_argument for instructions that this processor does not have.
+const Gather& gather_with(Instructions instructions);
+
+}  // namespace deforma

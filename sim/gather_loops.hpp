@@ -1,0 +1,157 @@
+// The gathers (sim/gather.hpp), compiled once for each set of instructions. Only what is below may be included beside
+// it: a shared inline function compiled with more instructions than the processor has could be the one that is linked.
+#include "sim/gather.hpp"
+
+namespace deforma {
+namespace {
+
+using Four = double __attribute__((vector_size(32), aligned(32), may_alias));
+using UnalignedFour = double __attribute__((vector_size(32), aligned(8), may_alias));
+
+#define DEFORMA_INLINE inline __attribute__((always_inline))
+
+DEFORMA_INLINE Four load(const double* from) { return *reinterpret_cast<const Four*>(from); }
+DEFORMA_INLINE Four all(double x) { return Four{x, x, x, x}; }
+DEFORMA_INLINE void store(double* to, Four x) { *reinterpret_cast<UnalignedFour*>(to) = x; }
+
+/// Three vectors that are summed over a row: its even and its odd links apart.
+struct Three {
+  Four x{}, y{}, z{};
+};
+DEFORMA_INLINE void add(Three& to, const Three& other) {
+  to.x += other.x;
+  to.y += other.y;
+  to.z += other.z;
+}
+DEFORMA_INLINE void store(double* to, const Three& sum) {
+  store(to, sum.x);
+  store(to + 4, sum.y);
+  store(to + 8, sum.z);
+}
+DEFORMA_INLINE double total(Four x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+
+/// Calls visit(link, sum) for every link of a row.
+template <typename RowLink, typename Visit>
+DEFORMA_INLINE Three over_row(const Rows<RowLink>& rows, std::size_t i, const Visit& visit) {
+  Three even, odd;
+  const RowLink* link = rows.links + rows.start[i];
+  const RowLink* const end = rows.links + rows.start[i + 1];
+  for (; end - link >= 2; link += 2) {
+    visit(link[0], even);
+    visit(link[1], odd);
+  }
+  if (link != end) visit(link[0], even);
+  add(even, odd);
+  return even;
+}
+
+void linear_gradient(const Rows<Link>& rows, const Place* places, const double* field, double* sums) {
+  for (std::size_t i = rows.begin; i != rows.end; ++i, sums += 12) {
+    const Four X = load(places[i].X);
+    const Four ux = all(field[3 * i]), uy = all(field[3 * i + 1]), uz = all(field[3 * i + 2]);
+    store(sums, over_row(
+                    rows, i, [&](const Link& link, Three& sum) __attribute__((always_inline)) {
+                      const std::size_t j = link.j;
+                      const Four WX = (load(places[j].X) - X) * all(link.weight);
+                      const double* const u = field + 3 * j;
+                      sum.x += (all(u[0]) - ux) * WX;  // eq 8
+                      sum.y += (all(u[1]) - uy) * WX;
+                      sum.z += (all(u[2]) - uz) * WX;
+                    }));
+  }
+}
+
+void quadratic_gradient(const Rows<GradientLink>& rows, const double* field, double* sums) {
+  for (std::size_t i = rows.begin; i != rows.end; ++i, sums += 12) {
+    const Four ux = all(field[3 * i]), uy = all(field[3 * i + 1]), uz = all(field[3 * i + 2]);
+    store(sums, over_row(
+                    rows, i, [&](const GradientLink& link, Three& sum) __attribute__((always_inline)) {
+                      const Four g =
+                          *reinterpret_cast<const UnalignedFour*>(link.g);  // the fourth is not used
+                      const double* const u = field + 3 * std::size_t{link.link.j};
+                      sum.x += (all(u[0]) - ux) * g;
+                      sum.y += (all(u[1]) - uy) * g;
+                      sum.z += (all(u[2]) - uz) * g;
+                    }));
+  }
+}
+
+void linear_force(const Rows<Link>& rows, const Carrier* carriers, double* force) {
+  const Four turn = {1.0, 1.0, 1.0, -1.0};
+  for (std::size_t i = rows.begin; i != rows.end; ++i, force += 3) {
+    const Carrier& own = carriers[i];
+    // With the fourth turned, one difference gives X_ij and s_i + s_j, one sum B_i + B_j and u_ij: so the pair's two
+    // forces are exactly opposite.
+    const Four head = load(own.head) * turn;
+    const Four bx = load(own.line[0]) * turn, by = load(own.line[1]) * turn, bz = load(own.line[2]) * turn;
+    const Three sum = over_row(
+        rows, i, [&](const Link& link, Three& row) __attribute__((always_inline)) {
+          const Carrier& other = carriers[link.j];
+          const Four pair = (load(other.head) - head) * all(link.weight);
+          row.x += (load(other.line[0]) + bx) * pair;  // eq 17 and its reaction
+          row.y += (load(other.line[1]) + by) * pair;
+          row.z += (load(other.line[2]) + bz) * pair;
+        });
+    force[0] += total(sum.x);
+    force[1] += total(sum.y);
+    force[2] += total(sum.z);
+  }
+}
+
+void quadratic_residual(const Rows<Link>& rows, const Carrier* carriers, double* force, double* moments) {
+  const Four turn = {1.0, 1.0, 1.0, -1.0}, half = all(0.5);
+  for (std::size_t i = rows.begin; i != rows.end; ++i, force += 3, moments += 12) {
+    const Carrier& own = carriers[i];
+    const Four head = load(own.head) * turn;
+    const Four gx = load(own.line[0]), gy = load(own.line[1]), gz = load(own.line[2]);
+    const Four X = all(own.line[0][3]), Y = all(own.line[1][3]), Z = all(own.line[2][3]);
+    const Four s = all(own.head[3]);
+    Four even{}, odd{};
+    Three even_moment, odd_moment;
+    const auto visit = [&](const Link& link, Four& sum, Three& moment) __attribute__((always_inline)) {
+      const Carrier& other = carriers[link.j];
+      const Four x = all(other.line[0][3]) - X, y = all(other.line[1][3]) - Y, z = all(other.line[2][3]) - Z;
+      const Four bent =
+          (load(other.line[0]) + gx) * x + (load(other.line[1]) + gy) * y + (load(other.line[2]) + gz) * z;
+      const Four e = (load(other.head) - head) - half * bent;
+      const Four f = ((all(other.head[3]) + s) * all(link.weight)) * e;
+      sum += f;
+      moment.x += f * x;
+      moment.y += f * y;
+      moment.z += f * z;
+    };
+    const Link* link = rows.links + rows.start[i];
+    const Link* const end = rows.links + rows.start[i + 1];
+    for (; end - link >= 2; link += 2) {
+      visit(link[0], even, even_moment);
+      visit(link[1], odd, odd_moment);
+    }
+    if (link != end) visit(link[0], even, even_moment);
+    even += odd;
+    add(even_moment, odd_moment);
+    for (int axis = 0; axis < 3; ++axis) force[axis] += even[axis];
+    store(moments, even_moment);
+  }
+}
+
+void quadratic_force(const Rows<GradientLink>& rows, const Carrier* carriers, double* force) {
+  for (std::size_t i = rows.begin; i != rows.end; ++i, force += 3) {
+    const Three sum = over_row(
+        rows, i, [&](const GradientLink& link, Three& row) __attribute__((always_inline)) {
+          const Carrier& other = carriers[link.link.j];
+          const Four g = *reinterpret_cast<const UnalignedFour*>(link.g);  // the fourth is not used
+          row.x += load(other.line[0]) * g;
+          row.y += load(other.line[1]) * g;
+          row.z += load(other.line[2]) * g;
+        });
+    force[0] -= (sum.x[0] + sum.x[1]) + sum.x[2];
+    force[1] -= (sum.y[0] + sum.y[1]) + sum.y[2];
+    force[2] -= (sum.z[0] + sum.z[1]) + sum.z[2];
+  }
+}
+
+constexpr Gather gather = {linear_gradient, quadratic_gradient, linear_force, quadratic_residual,
+                           quadratic_force};
+
+}  // namespace
+}  // namespace deforma
