@@ -8,6 +8,7 @@
 #include "assets/import.hpp"
 #include "assets/sample.hpp"
 #include "pipeline/user_error.hpp"
+#include "sim/morton_order.hpp"
 #include "sim/rotation.hpp"
 
 namespace deforma {
@@ -70,6 +71,20 @@ void share_equally(Sampling& sampling) {
   sampling.cells.assign(sampling.cells.size(), {.volume = share});
 }
 
+/// Neighbours near in memory: what the simulation gathers from them is then mostly in the cache.
+void order_along_curve(Sampling& sampling) {
+  std::vector<Vec3> points;
+  std::vector<CellMoments> cells;
+  points.reserve(sampling.points.size());
+  cells.reserve(sampling.points.size());
+  for (const Index i : morton_order(sampling.points)) {
+    points.push_back(sampling.points[i]);
+    cells.push_back(sampling.cells[i]);
+  }
+  sampling.points = std::move(points);
+  sampling.cells = std::move(cells);
+}
+
 }  // namespace
 
 Mesh make_body_mesh(const SceneBody& body, std::vector<std::string>& warnings) {
@@ -86,6 +101,7 @@ Mesh make_body_mesh(const SceneBody& body, std::vector<std::string>& warnings) {
 void append_body(State& state, const SceneBody& body, const Mesh& mesh, double bytes_per_particle,
                  std::vector<std::string>& warnings) {
   Sampling sampling = sample(body, mesh, bytes_per_particle, warnings);
+  order_along_curve(sampling);
   Particles& particles = state.particles;
   Surface& surface = state.surface;
   auto index = static_cast<Index>(state.bodies.size());
