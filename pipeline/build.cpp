@@ -173,9 +173,11 @@ void check_support(const Scene& scene, const State& state) {
     PointTree tree(rest);
     std::size_t lonely = 0;
     double needed = 0.0;
+    std::vector<PointTree::Found> two;
     for (Index i = body.particles.begin; i < body.particles.end; ++i) {
       if (state.links.row(i).size() > 0 || body.particles.size() < 2) continue;
-      auto [nearest, distance] = tree.nearest(state.particles.rest[i], 2)[1];
+      tree.nearest(state.particles.rest[i], 2, two);
+      const auto [nearest, distance] = two[1];
       double reach = 0.5 * (state.links.support[i] + state.links.support[body.particles.begin + nearest]);
       if (distance < reach) continue;
       ++lonely;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "sim/parallel.hpp"
 #include "sim/point_tree.hpp"
 
 namespace deforma {
@@ -23,9 +24,17 @@ std::vector<Index> find_stand_ins(const Particles& particles, const Body& body) 
   // The search excludes its radius, and coincidence is no distance at all when a body has no spacing.
   const double reach =
       std::max(coincident_share * body.spacing, std::sqrt(std::numeric_limits<double>::min()));
+  std::vector<char> accompanied(body.particles.size());
+  parallel_for_each(body.particles.size(), [&](std::size_t i) {
+    std::vector<PointTree::Found> found;
+    tree.within(rest[body.particles.begin + i], reach, found);
+    accompanied[i] = found.size() > 1;
+  });
+  std::vector<PointTree::Found> found;
   for (Index i = 0; i < stands_for.size(); ++i) {
-    if (stands_for[i] != i) continue;
-    for (const auto& [j, distance] : tree.within(rest[body.particles.begin + i], reach))
+    if (!accompanied[i] || stands_for[i] != i) continue;
+    tree.within(rest[body.particles.begin + i], reach, found);
+    for (const auto& [j, distance] : found)
       if (j > i && stands_for[j] == j) stands_for[j] = i;
   }
   return stands_for;

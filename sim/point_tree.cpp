@@ -1,6 +1,8 @@
 #include "sim/point_tree.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nanoflann.hpp>
 
 namespace deforma {
@@ -23,6 +25,31 @@ struct Cloud {
 using Tree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, Index>;
 
+/// Keeps the nearest in the caller's array, which nanoflann's own result set does not: it wants two of full length.
+class Nearest {
+ public:
+  using DistanceType = double;
+
+  Nearest(std::size_t count, std::vector<PointTree::Found>& found) : count_(count), found_(found) {
+    found.clear();
+  }
+
+  bool full() const { return found_.size() == count_; }
+  double worstDist() const { return full() ? found_.back().second : std::numeric_limits<double>::infinity(); }
+  bool addPoint(double squared, Index index) {
+    if (squared >= worstDist()) return true;  // asked for a whole leaf by the distance before it
+    if (full()) found_.pop_back();
+    auto after = std::upper_bound(found_.begin(), found_.end(), squared,
+                                  [](double s, const PointTree::Found& other) { return s < other.second; });
+    found_.insert(after, {index, squared});
+    return true;
+  }
+
+ private:
+  std::size_t count_;
+  std::vector<PointTree::Found>& found_;
+};
+
 }  // namespace
 
 struct PointTree::Data {
@@ -35,20 +62,16 @@ struct PointTree::Data {
 PointTree::PointTree(std::span<const Vec3> points) : data_(std::make_unique<Data>(points)) {}
 PointTree::~PointTree() = default;
 
-std::vector<PointTree::Found> PointTree::nearest(const Vec3& from, std::size_t count) const {
-  std::vector<Index> indices(count);
-  std::vector<double> squared(count);
-  std::size_t found = data_->tree.knnSearch(from.data(), count, indices.data(), squared.data());
-  std::vector<Found> result(found);
-  for (std::size_t k = 0; k < found; ++k) result[k] = {indices[k], std::sqrt(squared[k])};
-  return result;
+void PointTree::nearest(const Vec3& from, std::size_t count, std::vector<Found>& found) const {
+  Nearest result(count, found);
+  data_->tree.findNeighbors(result, from.data(), nanoflann::SearchParams());
+  for (auto& [index, distance] : found) distance = std::sqrt(distance);
 }
 
-std::vector<PointTree::Found> PointTree::within(const Vec3& from, double radius) const {
-  std::vector<std::pair<Index, double>> result;
-  data_->tree.radiusSearch(from.data(), radius * radius, result, nanoflann::SearchParams(32, 0.0F, false));
-  for (auto& [index, distance] : result) distance = std::sqrt(distance);
-  return result;
+void PointTree::within(const Vec3& from, double radius, std::vector<Found>& found) const {
+  nanoflann::RadiusResultSet<double, Index> result(radius * radius, found);
+  data_->tree.findNeighbors(result, from.data(), nanoflann::SearchParams());
+  for (auto& [index, distance] : found) distance = std::sqrt(distance);
 }
 
 }  // namespace deforma

@@ -18,11 +18,11 @@ class PointTree {
   explicit PointTree(std::span<const Vec3> points);
   ~PointTree();
 
-  /// The `count` nearest points (fewer if there are fewer), nearest first.
-  std::vector<Found> nearest(const Vec3& from, std::size_t count) const;
+  /// Writes the `count` nearest points, at least 1 (fewer if there are fewer), nearest first.
+  void nearest(const Vec3& from, std::size_t count, std::vector<Found>& found) const;
 
-  /// Every point closer than `radius` [m], in no particular order.
-  std::vector<Found> within(const Vec3& from, double radius) const;
+  /// Writes every point closer than `radius` [m], in no particular order.
+  void within(const Vec3& from, double radius, std::vector<Found>& found) const;
 
  private:
   struct Data;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/compressed_rows.hpp"
 #include "sim/parallel.hpp"
 #include "sim/point_tree.hpp"
 
@@ -23,32 +24,41 @@ double tie_weight(double r, double h) {
   return q < reach ? std::exp(-q * q) - std::exp(-reach * reach) : 0.0;
 }
 
-std::vector<Skin::Tie> find_ties(const PointTree& tree, std::span<const Body> bodies, Index body,
-                                 const Particles& particles, const Neighborhood& links, double widest,
-                                 const Vec3& vertex, const LinkFilter& allowed) {
-  std::vector<Skin::Tie> ties;
-  double sum = 0.0;
-  for (const auto& [local, distance] : tree.within(vertex, reach * widest)) {
-    Index i = bodies[body].particles.begin + local;
-    double weight = tie_weight(distance, links.support[i]);
-    if (weight <= 0.0 || (allowed && !allowed(body, vertex, particles.rest[i]))) continue;
-    ties.push_back({i, weight, vertex - particles.rest[i]});
-    sum += weight;
+/// What the ties to one body follow from.
+struct Tying {
+  const PointTree& tree;
+  const Particles& particles;
+  const Neighborhood& links;
+  Index first, number;  // particle of the body, and which it is
+  double widest;        // of its supports [m]
+  const LinkFilter& allowed;
+
+  void find_ties(const Vec3& vertex, std::vector<PointTree::Found>& near,
+                 std::vector<Skin::Tie>& ties) const {
+    ties.clear();
+    double sum = 0.0;
+    tree.within(vertex, reach * widest, near);
+    std::sort(near.begin(), near.end());
+    for (const auto& [local, distance] : near) {
+      const Index i = first + local;
+      const double weight = tie_weight(distance, links.support[i]);
+      if (weight <= 0.0 || (allowed && !allowed(number, vertex, particles.rest[i]))) continue;
+      ties.push_back({i, weight, vertex - particles.rest[i]});
+      sum += weight;
+    }
+    for (Skin::Tie& tie : ties) tie.weight /= sum;
+    if (sum > 0.0) return;
+    tree.nearest(vertex, 1, near);
+    const Index nearest = first + near.front().first;
+    ties = {{nearest, 1.0, vertex - particles.rest[nearest]}};
   }
-  if (!(sum > 0.0)) {
-    Index nearest = bodies[body].particles.begin + tree.nearest(vertex, 1).front().first;
-    return {{nearest, 1.0, vertex - particles.rest[nearest]}};
-  }
-  for (Skin::Tie& tie : ties) tie.weight /= sum;
-  std::sort(ties.begin(), ties.end(), [](const auto& a, const auto& b) { return a.particle < b.particle; });
-  return ties;
-}
+};
 
 }  // namespace
 
 Skin bind_skin(const Particles& particles, std::span<const Body> bodies, const Neighborhood& links,
                std::span<const Vec3> vertices, const LinkFilter& allowed) {
-  std::vector<std::vector<Skin::Tie>> rows(vertices.size());
+  CompressedRows<Skin::Tie> rows;
   for (Index b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
     if (body.vertices.size() == 0) continue;
@@ -56,19 +66,21 @@ Skin bind_skin(const Particles& particles, std::span<const Body> bodies, const N
       throw std::invalid_argument(fmt::format("body '{}' has {} surface vertices but no particle to follow",
                                               body.name, body.vertices.size()));
     PointTree tree(std::span(particles.rest).subspan(body.particles.begin, body.particles.size()));
-    double widest = *std::max_element(links.support.begin() + body.particles.begin,
-                                      links.support.begin() + body.particles.end);
-    parallel_for_each(body.vertices.size(), [&](std::size_t local) {
-      std::size_t s = body.vertices.begin + local;
-      rows[s] = find_ties(tree, bodies, b, particles, links, widest, vertices[s], allowed);
+    const double widest = *std::max_element(links.support.begin() + body.particles.begin,
+                                            links.support.begin() + body.particles.end);
+    const Tying tying{tree, particles, links, body.particles.begin, b, widest, allowed};
+    rows.find(body.vertices, [&](Range part, CompressedRows<Skin::Tie>::Block& block) {
+      std::vector<PointTree::Found> near;
+      std::vector<Skin::Tie> ties;
+      for (Index s = part.begin; s < part.end; ++s) {
+        tying.find_ties(vertices[s], near, ties);
+        for (const Skin::Tie& tie : ties) block.add(tie);
+        block.end_row();
+      }
     });
   }
   Skin skin;
-  skin.start.push_back(0);
-  for (const auto& row : rows) {
-    skin.ties.insert(skin.ties.end(), row.begin(), row.end());
-    skin.start.push_back(static_cast<Index>(skin.ties.size()));
-  }
+  rows.take(vertices.size(), skin.start, skin.ties);
   return skin;
 }
 
