@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
@@ -62,64 +63,123 @@ struct Blocks {
 class Counter {
  public:
   Counter(const Solid& solid, std::span<const Vector3d> points, const Blocks& blocks)
-      : solid_(solid), blocks_(blocks), cloud_{points}, tree_(3, cloud_, {10}), cells_(points.size()) {}
+      : solid_(solid),
+        blocks_(blocks),
+        step_(blocks.width / cubes),
+        cloud_{points},
+        tree_(3, cloud_, {10}),
+        cells_(points.size()) {}
 
-  // Layers of blocks side by side, their cubes counted in one order whatever the threads.
+  // Columns of blocks side by side, what they give added up in one order whatever the threads.
   void count(double reach) {
-    std::vector<std::vector<Cube>> rows(static_cast<std::size_t>(blocks_.count[1]));
-    for (int x = 0; x < blocks_.count[0]; ++x) {
-      tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t y) {
-        rows[y].clear();
-        for (int z = 0; z < blocks_.count[2]; ++z)
-          collect(blocks_.start + blocks_.width.cwiseProduct(Vector3d(x, static_cast<double>(y), z)), reach,
-                  rows[y]);
+    constexpr std::size_t at_once = 1024;
+    const auto rows = static_cast<std::size_t>(blocks_.count[1]);
+    const std::size_t columns = static_cast<std::size_t>(blocks_.count[0]) * rows;
+    std::vector<std::vector<Part>> found(std::min(columns, at_once));
+    for (std::size_t first = 0; first < columns; first += at_once) {
+      const std::size_t some = std::min(at_once, columns - first);
+      tbb::parallel_for(std::size_t{0}, some, [&](std::size_t c) {
+        found[c].clear();
+        const std::size_t x = (first + c) / rows, y = (first + c) % rows;
+        collect(blocks_.start +
+                    blocks_.width.cwiseProduct(Vector3d(static_cast<double>(x), static_cast<double>(y), 0.0)),
+                reach, found[c]);
       });
-      for (const auto& row : rows)
-        for (const Cube& cube : row) add(cube);
+      for (std::size_t c = 0; c < some; ++c)
+        for (const Part& part : found[c]) add(part);
     }
   }
 
   std::vector<CellMoments>& cells() { return cells_; }
 
  private:
-  struct Cube {
-    Vector3d middle;
+  /// What the cubes of a block give to one point.
+  struct Part {
     std::size_t owner;
+    int count;        // of cubes
+    Vector3d first;   // sum of their arms
+    Matrix3d second;  // sum of arm * arm^T
   };
+  /// Which cubes of a column of blocks are inside, one line of cubes beside the other.
+  using Inside = std::array<std::vector<char>, cubes * cubes>;
 
-  void collect(const Vector3d& corner, double reach, std::vector<Cube>& found) const {
-    const Vector3d middle = corner + 0.5 * blocks_.width;
-    if (std::isfinite(reach) && solid_.distance(middle, reach) >= reach) return;
-    const Vector3d step = blocks_.width / cubes;
-    std::vector<char> inside(cubes);
-    for (int i = 0; i < cubes; ++i)
-      for (int j = 0; j < cubes; ++j) {
-        const Vector3d first = corner + step.cwiseProduct(Vector3d(i + 0.5, j + 0.5, 0.5));
-        solid_.mark_column(first.x(), first.y(), first.z(), step.z(), inside);
-        for (int k = 0; k < cubes; ++k)
-          if (inside[k]) found.push_back(owned(first + Vector3d(0, 0, k * step.z())));
-      }
+  Vector3d middle_of(const Vector3d& column, int z) const {
+    return column + Vector3d(0, 0, z * blocks_.width.z()) + 0.5 * blocks_.width;
   }
 
-  Cube owned(const Vector3d& middle) const {
+  void collect(const Vector3d& column, double reach, std::vector<Part>& parts) const {
+    std::vector<int> near;
+    for (int z = 0; z < blocks_.count[2]; ++z)
+      if (!std::isfinite(reach) || solid_.distance(middle_of(column, z), reach) < reach) near.push_back(z);
+    if (near.empty()) return;
+    Inside inside;
+    for (int i = 0; i < cubes; ++i)
+      for (int j = 0; j < cubes; ++j) {
+        std::vector<char>& line = inside[static_cast<std::size_t>(i * cubes + j)];
+        line.resize(static_cast<std::size_t>(blocks_.count[2] * cubes));
+        const Vector3d first = column + step_.cwiseProduct(Vector3d(i + 0.5, j + 0.5, 0.5));
+        solid_.mark_column(first.x(), first.y(), first.z(), step_.z(), line);
+      }
+    std::vector<Found> candidates;
+    for (const int z : near) share_out(middle_of(column, z), z, inside, candidates, parts);
+  }
+
+  using Found = std::pair<std::size_t, double>;
+
+  // Every point that can be the nearest to one of a block's cubes.
+  void find_candidates(const Vector3d& middle, std::vector<Found>& candidates) const {
     std::size_t nearest = 0;
     double squared = 0.0;
     tree_.knnSearch(middle.data(), 1, &nearest, &squared);
-    return {middle, nearest};
+    const double outermost = 0.5 * (blocks_.width - step_).norm();
+    const double reach = (std::sqrt(squared) + 2.0 * outermost) * (1.0 + 1e-6);
+    tree_.radiusSearch(middle.data(), reach * reach, candidates, nanoflann::SearchParams(32, 0.0F, false));
+    std::sort(candidates.begin(), candidates.end());  // the first of two as near owns the cube
   }
 
-  void add(const Cube& cube) {
-    const Vector3d step = blocks_.width / cubes;
-    const double volume = step.prod();
-    const Vector3d arm = cube.middle - cloud_.points[cube.owner];
-    CellMoments& cell = cells_[cube.owner];
-    cell.volume += volume;
-    cell.first += volume * arm;
-    cell.second += volume * (arm * arm.transpose() + Matrix3d((step.cwiseProduct(step) / 12.0).asDiagonal()));
+  void share_out(const Vector3d& middle, int z, const Inside& inside, std::vector<Found>& candidates,
+                 std::vector<Part>& parts) const {
+    find_candidates(middle, candidates);
+    const std::size_t first_part = parts.size();
+    for (const Found& candidate : candidates)
+      parts.push_back({candidate.first, 0, Vector3d::Zero(), Matrix3d::Zero()});
+    const Vector3d corner = middle - 0.5 * blocks_.width;
+    for (int i = 0; i < cubes; ++i)
+      for (int j = 0; j < cubes; ++j)
+        for (int k = 0; k < cubes; ++k) {
+          if (!inside[static_cast<std::size_t>(i * cubes + j)][static_cast<std::size_t>(z * cubes + k)])
+            continue;
+          const Vector3d cube = corner + step_.cwiseProduct(Vector3d(i + 0.5, j + 0.5, k + 0.5));
+          Part* owner = nullptr;
+          double least_squared = std::numeric_limits<double>::infinity();
+          for (std::size_t p = first_part; p < parts.size(); ++p) {
+            const double squared = (cube - cloud_.points[parts[p].owner]).squaredNorm();
+            if (squared >= least_squared) continue;
+            least_squared = squared;
+            owner = &parts[p];
+          }
+          const Vector3d arm = cube - cloud_.points[owner->owner];
+          ++owner->count;
+          owner->first += arm;
+          owner->second += arm * arm.transpose();
+        }
+    const auto own = parts.begin() + static_cast<std::ptrdiff_t>(first_part);
+    parts.erase(std::remove_if(own, parts.end(), [](const Part& part) { return part.count == 0; }),
+                parts.end());
+  }
+
+  void add(const Part& part) {
+    const double volume = step_.prod();
+    CellMoments& cell = cells_[part.owner];
+    cell.volume += part.count * volume;
+    cell.first += volume * part.first;
+    cell.second +=
+        volume * (part.second + part.count * Matrix3d((step_.cwiseProduct(step_) / 12.0).asDiagonal()));
   }
 
   const Solid& solid_;
   const Blocks& blocks_;
+  const Vector3d step_;  // sides of a cube
   Cloud cloud_;
   Tree tree_;
   std::vector<CellMoments> cells_;

@@ -147,13 +147,14 @@ void leave_out(const Solid& solid, std::size_t count, double spacing, Points& po
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     ranks[i] = {rounded(solid.distance(points[i], 2.0 * spacing)), rounded((points[i] - middle).norm()), i};
   });
-  std::sort(ranks.begin(), ranks.end(), [](const Rank& l, const Rank& r) {
+  const auto first_kept = ranks.begin() + static_cast<std::ptrdiff_t>(points.size() - count);
+  std::nth_element(ranks.begin(), first_kept, ranks.end(), [](const Rank& l, const Rank& r) {
     if (l.depth != r.depth) return l.depth < r.depth;
     if (l.outwards != r.outwards) return l.outwards > r.outwards;
     return l.index < r.index;
   });
   std::vector<char> kept(points.size(), 1);
-  for (std::size_t i = 0; i < points.size() - count; ++i) kept[ranks[i].index] = 0;
+  for (auto rank = ranks.begin(); rank != first_kept; ++rank) kept[rank->index] = 0;
   Points rest;
   rest.reserve(count);
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -137,13 +137,17 @@ Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings) {
     throw std::runtime_error(fmt::format("the mesh encloses no volume ({} triangles, {} boundary edges)",
                                          mesh.triangles.size(), solid.facts().boundary_edges));
 
+  const double about = settings.particles > 0 ? static_cast<double>(settings.particles)
+                                              : solid.volume() / std::pow(settings.spacing, 3);
+  if (settings.particles == 0)
+    check_memory(fmt::format("spacing: {} m", settings.spacing), about, settings.bytes_per_particle);
+  solid.chart_distances(std::cbrt(solid.volume() / about), static_cast<std::size_t>(about));
+
   Sampling sampling;
   sampling.warnings = solid.warnings();
   if (settings.particles > 0) {
     sampling.points = fill_by_count(solid, settings.arrangement, settings.particles);
   } else {
-    check_memory(fmt::format("spacing: {} m", settings.spacing),
-                 solid.volume() / std::pow(settings.spacing, 3), settings.bytes_per_particle);
     sampling.points = fill_by_spacing(solid, settings.arrangement, settings.spacing);
     if (sampling.points.size() < least_by_spacing)
       refuse_spacing(solid, settings.arrangement, settings.spacing, sampling.points.size());

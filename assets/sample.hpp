@@ -47,7 +47,9 @@ Sampling sample_interior(const Mesh& mesh, const SamplingSettings& settings);
 /// Answers whether the straight way between two points leaves the inside of a mesh.
 class Visibility {
  public:
-  explicit Visibility(const Mesh& mesh);
+  /// @param spacing of the particles that will look at each other [m]; 0: not known, and every way is walked
+  /// @param particles how many there are
+  explicit Visibility(const Mesh& mesh, double spacing = 0.0, std::size_t particles = 0);
   ~Visibility();
   Visibility(Visibility&&) noexcept;
   Visibility& operator=(Visibility&&) noexcept;

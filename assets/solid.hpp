@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/distance_chart.hpp"
 #include "assets/mesh.hpp"
 #include "assets/mesh_tree.hpp"
 #include "assets/winding_number.hpp"
@@ -36,8 +37,15 @@ class Solid {
   /// Marks which of the points (x, y, z0), (x, y, z0 + step), ... are inside, one mark for each element of `inside`.
   void mark_column(double x, double y, double z0, double step, std::vector<char>& inside) const;
 
+  /// Makes distances cheap to ask for far from the surface; no answer changes.
+  /// @param spacing of the points that will ask [m]
+  /// @param points  how many there are
+  void chart_distances(double spacing, std::size_t points) { chart_ = DistanceChart(tree_, spacing, points); }
+
   /// Distance from a point to the surface [m], or `limit` if that is less.
-  double distance(const Eigen::Vector3d& from, double limit) const { return tree_.distance(from, limit); }
+  double distance(const Eigen::Vector3d& from, double limit) const {
+    return chart_.at_least(from) >= limit ? limit : tree_.distance(from, limit);
+  }
 
  private:
   struct Crossing {
@@ -53,6 +61,7 @@ class Solid {
   MeshFacts facts_;
   MeshTree tree_;
   WindingNumber winding_;
+  DistanceChart chart_;
   bool closed_ = false;
   double volume_ = 0.0;
   std::vector<std::string> warnings_;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/distance_chart.hpp"
 #include "assets/mesh_tree.hpp"
 #include "assets/sample.hpp"
 
@@ -54,9 +55,14 @@ bool touches(const Eigen::AlignedBox3d& box, const Vector3d& a, const Vector3d& 
 
 struct Visibility::Data {
   MeshTree tree;
+  DistanceChart chart;
+
+  Data(const Mesh& mesh, double spacing, std::size_t particles)
+      : tree(mesh), chart(tree, spacing, particles) {}
 };
 
-Visibility::Visibility(const Mesh& mesh) : data_(new Data{MeshTree(mesh)}) {}
+Visibility::Visibility(const Mesh& mesh, double spacing, std::size_t particles)
+    : data_(std::make_unique<Data>(mesh, spacing, particles)) {}
 Visibility::~Visibility() = default;
 Visibility::Visibility(Visibility&&) noexcept = default;
 Visibility& Visibility::operator=(Visibility&&) noexcept = default;
@@ -65,6 +71,9 @@ bool Visibility::sees(const Vector3d& from, const Vector3d& to) const {
   // Always walked from the same end, so that rounding can not make it one-sided.
   bool swapped = std::lexicographical_compare(to.data(), to.data() + 3, from.data(), from.data() + 3);
   const Vector3d &a = swapped ? to : from, &b = swapped ? from : to;
+  // Far from the surface nothing is near enough to be between.
+  const double bound = data_->chart.at_least(a);
+  if (bound * bound > (b - a).squaredNorm()) return true;
   Vector3d inverse = (b - a).cwiseInverse();
   bool clear = true;
   data_->tree.walk([&](std::uint32_t n) { return touches(data_->tree.nodes()[n].box, a, b, inverse); },

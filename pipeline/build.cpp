@@ -210,7 +210,7 @@ World build(const Scene& scene) {
   check_neighbors(scene, state);
   state.obstacles = make_obstacles(scene);
 
-  auto sight = std::make_shared<const Sight>(meshes);
+  auto sight = std::make_shared<const Sight>(meshes, state.bodies);
   LinkFilter filter;
   if (sight->needed())
     filter = [sight](Index body, const Vec3& a, const Vec3& b) { return (*sight)(body, a, b); };

@@ -6,6 +6,7 @@
 
 #include "assets/mesh.hpp"
 #include "assets/sample.hpp"
+#include "sim/particles.hpp"
 #include "sim/types.hpp"
 
 namespace deforma {
@@ -15,7 +16,7 @@ namespace deforma {
 class Sight {
  public:
   /// @param meshes one per body
-  explicit Sight(std::span<const Mesh> meshes);
+  Sight(std::span<const Mesh> meshes, std::span<const Body> bodies);
 
   /// Whether any body needs to be asked.
   bool needed() const;
