@@ -1,11 +1,10 @@
 #include "sim/quadratic_fit.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "sim/parallel.hpp"
 
 namespace deforma {
 
@@ -86,18 +85,44 @@ QuadraticFit::QuadraticFit(const Particles& particles, const Neighborhood& links
 bool QuadraticFit::fit(const Particles& particles, const Neighborhood& links, std::size_t i,
                        std::span<const int> chosen, Terms* unsettled) {
   chosen_ = chosen;
-  Range row = links.row(i);
-  if (row.size() < chosen_.size()) return false;
-  const auto count = static_cast<Eigen::Index>(chosen_.size());
-  Square M = Square::Zero(count, count);
+  if (links.row(i).size() < chosen_.size()) return false;
+  const Square M = moments(particles, links, i);
+  // The trace is above the largest eigenvalue, and the norm of the inverse above that of the smallest one: where their
+  // product is small enough, and it nearly always is, the eigenvalues need not be found.
+  const Eigen::LLT<Square> factor(M);
+  if (factor.info() == Eigen::Success) {
+    inverse_ = factor.solve(Square::Identity(M.rows(), M.cols()));
+    if (inverse_.norm() * M.trace() * dropped_eigenvalue < 0.999) return true;
+  }
+  return decompose(M, unsettled);
+}
+
+QuadraticFit::Square QuadraticFit::moments(const Particles& particles, const Neighborhood& links,
+                                           std::size_t i) const {
+  const std::size_t count = chosen_.size();
+  std::array<std::array<double, 9>, 9> lower{};
+  const Range row = links.row(i);
   for (Index l = row.begin; l < row.end; ++l) {
     const Terms p = terms(particles.rest[links.links[l].j] - particles.rest[i]);
-    M += static_cast<double>(links.links[l].weight) * p * p.transpose();
+    const double* term = p.data();
+    for (std::size_t a = 0; a < count; ++a) {
+      const double weighted = static_cast<double>(links.links[l].weight) * term[a];
+      for (std::size_t b = 0; b <= a; ++b) lower[a][b] += weighted * term[b];
+    }
   }
-  Eigen::SelfAdjointEigenSolver<Square> eigen(M);
+  Square M(count, count);
+  for (Eigen::Index a = 0; a < M.rows(); ++a)
+    for (Eigen::Index b = 0; b <= a; ++b)
+      M(a, b) = M(b, a) = lower[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  return M;
+}
+
+bool QuadraticFit::decompose(const Square& M, Terms* unsettled) {
+  const Eigen::SelfAdjointEigenSolver<Square> eigen(M);
   const auto& values = eigen.eigenvalues();  // ascending
-  if (!(values[0] > dropped_eigenvalue * values[count - 1])) {
+  if (!(values[0] > dropped_eigenvalue * values[M.rows() - 1])) {
     if (unsettled) *unsettled = eigen.eigenvectors().col(0);
+    inverse_.resize(0, 0);
     return false;
   }
   const Square scaled = eigen.eigenvectors() * values.cwiseInverse().asDiagonal();
@@ -107,13 +132,30 @@ bool QuadraticFit::fit(const Particles& particles, const Neighborhood& links, st
 
 QuadraticFit::Terms QuadraticFit::terms(const Vec3& offset) const {
   const Vec3 X = axes_.transpose() * offset / h_;
-  return nine_terms(X, X * X.transpose())(chosen_);
+  const std::array<double, 9> all = {X.x(),
+                                     X.y(),
+                                     X.z(),
+                                     0.5 * X.x() * X.x(),
+                                     0.5 * X.y() * X.y(),
+                                     0.5 * X.z() * X.z(),
+                                     X.y() * X.z(),
+                                     X.z() * X.x(),
+                                     X.x() * X.y()};
+  Terms chosen(chosen_.size());
+  for (std::size_t k = 0; k < chosen_.size(); ++k)
+    chosen[static_cast<Eigen::Index>(k)] = all[static_cast<std::size_t>(chosen_[k])];
+  return chosen;
 }
 
 Vec3 QuadraticFit::gradient_of(const Terms& terms) const {
   Vec3 local = Vec3::Zero();
-  for (Eigen::Index k = 0; k < terms.size(); ++k)
-    if (chosen_[k] < 3) local[chosen_[k]] = inverse_.col(k).dot(terms);
+  const auto count = static_cast<std::size_t>(terms.size());
+  for (std::size_t k = 0; k < count && chosen_[k] < 3; ++k) {  // the gradient's terms come first
+    const double* row = inverse_.data() + k * count;
+    double sum = 0.0;
+    for (std::size_t t = 0; t < count; ++t) sum += row[t] * terms.data()[t];
+    local[chosen_[k]] = sum;
+  }
   return axes_ * local / h_;
 }
 
@@ -125,16 +167,12 @@ QuadraticFit::Terms QuadraticFit::integrated(const Cell& cell) const {
 
 std::vector<Index> reverse_links(const Neighborhood& links) {
   std::vector<Index> reverse(links.links.size());
-  // Rows are ascending in j and links symmetric, so the reverse of link i -> j is found by bisection.
-  parallel_for_each(links.size(), [&](std::size_t i) {
-    Range row = links.row(i);
-    for (Index l = row.begin; l < row.end; ++l) {
-      Range other = links.row(links.links[l].j);
-      auto place = std::lower_bound(links.links.begin() + other.begin, links.links.begin() + other.end, i,
-                                    [](const Link& link, std::size_t target) { return link.j < target; });
-      reverse[l] = static_cast<Index>(place - links.links.begin());
-    }
-  });
+  // Rows are ascending in j and links symmetric: rows taken in order meet the links of every other row in order, too.
+  std::vector<Index> next(links.start.begin(), links.start.end() - 1);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Range row = links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) reverse[l] = next[links.links[l].j]++;
+  }
   return reverse;
 }
 

@@ -46,6 +46,10 @@ class QuadraticFit {
   // False when the neighbours do not settle the chosen terms: then `unsettled` is the combination they tell least of.
   bool fit(const Particles& particles, const Neighborhood& links, std::size_t i, std::span<const int> chosen,
            Terms* unsettled);
+  // The moment matrix of the chosen terms.
+  Square moments(const Particles& particles, const Neighborhood& links, std::size_t i) const;
+  // The same answer as `fit`, from the matrix' eigenvalues.
+  bool decompose(const Square& M, Terms* unsettled);
 
   Mat3 axes_ = Mat3::Identity();  // columns; the last is the thinnest direction
   double h_ = 1.0;                // [m]
