@@ -207,6 +207,8 @@ World build(const Scene& scene) {
     append_body(state, body, meshes.back(), memory_per_particle(scene.solver), world.warnings);
   }
   merge_particles(state, world.warnings);
+  const Gradient gradient = gradient_from_name(scene.solver.gradient);
+  if (gradient == Gradient::linear) state.particles.cells = {};  // nothing will ask for them
   check_neighbors(scene, state);
   state.obstacles = make_obstacles(scene);
 
@@ -214,8 +216,7 @@ World build(const Scene& scene) {
   LinkFilter filter;
   if (sight->needed())
     filter = [sight](Index body, const Vec3& a, const Vec3& b) { return (*sight)(body, a, b); };
-  prepare_state(state, neighborhood_settings(scene.solver), filter, filter,
-                gradient_from_name(scene.solver.gradient));
+  prepare_state(state, neighborhood_settings(scene.solver), filter, filter, gradient);
   give_paper_masses(scene, state, world.warnings);
   check_support(scene, state);
   if (state.fit.linear_fits > 0)

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <utility>
 
 #include "assets/import.hpp"
@@ -71,6 +72,21 @@ void share_equally(Sampling& sampling) {
   sampling.cells.assign(sampling.cells.size(), {.volume = share});
 }
 
+/// Room for so many more: exactly so much for the first body, and as vectors grow for the others.
+void reserve(Particles& particles, std::size_t more) {
+  const std::size_t n = particles.size() + more;
+  auto grow = [n](auto& array) {
+    if (array.capacity() < n) array.reserve(std::max(n, 2 * array.capacity()));
+  };
+  grow(particles.rest);
+  grow(particles.displacement);
+  grow(particles.velocity);
+  grow(particles.mass);
+  grow(particles.volume);
+  grow(particles.cells);
+  grow(particles.body);
+}
+
 /// Neighbours near in memory: what the simulation gathers from them is then mostly in the cache.
 void order_along_curve(Sampling& sampling) {
   std::vector<Vec3> points;
@@ -117,6 +133,7 @@ void append_body(State& state, const SceneBody& body, const Mesh& mesh, double b
     moment += sampling.cells[i].volume * sampling.points[i];
   }
   const Vec3 center = moment / volume;
+  reserve(particles, sampling.points.size());
   for (std::size_t i = 0; i < sampling.points.size(); ++i) {
     const CellMoments& cell = sampling.cells[i];
     particles.rest.push_back(sampling.points[i]);

@@ -6,12 +6,15 @@
 #include <Eigen/Geometry>
 #include <set>
 
+#include "assets/sample.hpp"
 #include "assets/shapes.hpp"
+#include "pipeline/build_body.hpp"
 #include "pipeline/framing.hpp"
 #include "pipeline/obstacle_mesh.hpp"
 #include "pipeline/sight.hpp"
 #include "pipeline/user_error.hpp"
 #include "render/camera.hpp"
+#include "sim/morton_order.hpp"
 #include "tests/pipeline/mesh_text.hpp"
 #include "tests/pipeline/scratch.hpp"
 
@@ -77,6 +80,33 @@ TEST(Build, MakesTheSurfaceAsFineAsAsked) {
   World fine = build_text(scratch, body + "surface_particles = 60\n");
   EXPECT_GE(fine.bodies[0].vertices, 60u);
   EXPECT_EQ(fine.bodies[0].triangles, 128u);
+}
+
+TEST(Build, OrdersParticlesAlongACurveEachWithItsCell) {
+  Scratch scratch;
+  const std::string text =
+      "duration = 1\n[solver]\ngradient = \"%\"\n[[body]]\nshape = { type = \"sphere\", radius = 0.5 }\n"
+      "particles = 300\ndensity = 1000\n";
+  auto with = [&](const char* gradient) { return std::string(text).replace(text.find('%'), 1, gradient); };
+  const World quadratic = build_text(scratch, with("quadratic")),
+              linear = build_text(scratch, with("linear"));
+  const Particles& particles = quadratic.solver->state().particles;
+  const Scene scene = load_scene(scratch.write("scene.toml", with("linear")));
+  std::vector<std::string> warnings;
+  const Sampling sampling = sample_interior(make_body_mesh(scene.bodies[0], warnings), {300, 0.0});
+
+  const std::vector<Index> order = morton_order(sampling.points);
+  ASSERT_EQ(particles.size(), order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const CellMoments& cell = sampling.cells[order[i]];
+    EXPECT_EQ(particles.rest[i], sampling.points[order[i]]);
+    EXPECT_EQ(particles.volume[i], cell.volume);
+    EXPECT_EQ(particles.mass[i], 1000.0 * cell.volume);
+    EXPECT_EQ(particles.cells[i].first, cell.first);
+    EXPECT_EQ(particles.cells[i].second, cell.second);
+  }
+  EXPECT_EQ(linear.solver->state().particles.rest, particles.rest);
+  EXPECT_TRUE(linear.solver->state().particles.cells.empty());
 }
 
 TEST(Build, TheWorldsEffectsHoldForBodiesThatDoNotRefuseThem) {
