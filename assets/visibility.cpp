@@ -72,7 +72,7 @@ bool Visibility::sees(const Vector3d& from, const Vector3d& to) const {
   bool swapped = std::lexicographical_compare(to.data(), to.data() + 3, from.data(), from.data() + 3);
   const Vector3d &a = swapped ? to : from, &b = swapped ? from : to;
   // Far from the surface nothing is near enough to be between.
-  const double bound = data_->chart.at_least(a);
+  const double bound = std::max(data_->chart.at_least(a), data_->chart.at_least(b));
   if (bound * bound > (b - a).squaredNorm()) return true;
   Vector3d inverse = (b - a).cwiseInverse();
   bool clear = true;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -27,21 +29,24 @@ class CompressedRows {
   };
 
   /// Finds the rows of a range, none of which was found before.
-  /// @param find called with a part of the range and its `Block`; adds every row's items and ends it
+  /// @param find called with a part of the range and its `Block`; adds every row's items and ends it. Runs on one thread.
   template <typename Find>
   void find(Range rows, const Find& find) {
     const std::size_t before = blocks_.size();
     blocks_.resize(before + (rows.size() + block_size - 1) / block_size);
+    // Arrays grow in one place for each thread; what is kept is a copy without slack.
+    tbb::enumerable_thread_specific<Block> growing;
     parallel_for_each(
         blocks_.size() - before,
         [&](std::size_t k) {
           Range part{rows.begin + static_cast<Index>(k) * block_size, 0};
           part.end = std::min(part.begin + block_size, rows.end);
-          Block& block = blocks_[before + k];
+          Block& block = growing.local();
           block.first_row_ = part.begin;
-          block.ends_.reserve(part.size());
+          block.ends_.clear();
+          block.items_.clear();
           find(part, block);
-          block.items_.shrink_to_fit();
+          blocks_[before + k] = block;
         },
         1);
   }
