@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
+#include <random>
 
 #include "fixtures.hpp"
+#include "sim/morton_order.hpp"
 
 namespace deforma {
 namespace {
@@ -38,6 +41,39 @@ TEST(Neighborhood, GivesBothDirectionsExactlyOppositeVectors) {
       EXPECT_EQ(links.vector(j, *found), -links.vector(i, links.links[l]));
       EXPECT_EQ(found->weight, links.links[l].weight);
     }
+}
+
+// Looked up for groups of neighbours or one by one: what is found must be the same.
+TEST(Neighborhood, TakesSupportsFromTheNearestInAnyOrderOfTheParticles) {
+  constexpr std::size_t k = 18;
+  for (double jitter : {0.0, 0.4}) {
+    State state = lattice_particles(Vec3(1.1, 1.0, 0.9), 11, 10, 9, 1000.0, jitter);
+    const std::vector<Vec3> rest = state.particles.rest;
+    std::vector<double> expected;
+    for (const Vec3& from : rest) {
+      std::vector<double> distance;
+      for (const Vec3& to : rest) distance.push_back((to - from).norm());
+      std::sort(distance.begin(), distance.end());
+      expected.push_back(1.5 * std::accumulate(distance.begin(), distance.begin() + k + 1, 0.0) / k);
+    }
+    const Neighborhood plain = build_neighborhood(state.particles, state.bodies, {.neighbors = k});
+    std::vector<Index> order = morton_order(rest), shuffled = order;
+    std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(1));
+    for (const std::vector<Index>& one : {order, shuffled}) {
+      for (std::size_t i = 0; i < one.size(); ++i) state.particles.rest[i] = rest[one[i]];
+      const Neighborhood links = build_neighborhood(state.particles, state.bodies, {.neighbors = k});
+      EXPECT_EQ(links.links.size(), plain.links.size());
+      for (std::size_t i = 0; i < one.size(); ++i) {
+        EXPECT_NEAR(plain.support[one[i]], expected[one[i]], 1e-14);
+        EXPECT_EQ(links.support[i], plain.support[one[i]]);
+        std::vector<Index> row, same;
+        for (Index l = links.row(i).begin; l < links.row(i).end; ++l) row.push_back(one[links.links[l].j]);
+        for (Index l = plain.row(one[i]).begin; l < plain.row(one[i]).end; ++l)
+          same.push_back(plain.links[l].j);
+        EXPECT_THAT(row, testing::UnorderedElementsAreArray(same));
+      }
+    }
+  }
 }
 
 TEST(Neighborhood, HasTwentySixLinksInsideALattice) {
