@@ -2,8 +2,6 @@
 
 #include <optional>
 
-#include "pipeline/stopwatch.hpp"
-
 namespace deforma {
 
 FramePipeline::FramePipeline(const RendererSettings& settings, const ContextRequest& request)
@@ -12,18 +10,19 @@ FramePipeline::FramePipeline(const RendererSettings& settings, const ContextRequ
 FramePipeline::~FramePipeline() { abandon(); }
 
 void FramePipeline::abandon() {
-  snapshots_.abandon();
-  images_.abandon();
+  drop_all();
   stop();
 }
 
 ContextFacts FramePipeline::ready() { return context_.get_future().get(); }
 
-void FramePipeline::start(Draw draw, Write write) {
+void FramePipeline::start(Draw draw, std::vector<Write> writers) {
   // The queue's lock makes these visible to the drawing thread before its first snapshot.
   draw_ = std::move(draw);
-  write_ = std::move(write);
-  writer_ = std::thread([this] { write_frames(); });
+  drawing_watch_ = Stopwatch();
+  for (Write& write : writers) writers_.emplace_back().write = std::move(write);
+  // Only now, for each of them knows the others.
+  for (Writer& writer : writers_) writer.thread = std::thread([this, &writer] { write_frames(writer); });
 }
 
 void FramePipeline::push(Snapshot snapshot) {
@@ -33,15 +32,22 @@ void FramePipeline::push(Snapshot snapshot) {
 void FramePipeline::finish() {
   snapshots_.close();
   stop();
-  // The writer's failure is the cause when both failed.
-  if (write_failure_) std::rethrow_exception(write_failure_);
+  // A writer's failure is the cause when the drawing failed, too.
+  for (const Writer& writer : writers_)
+    if (writer.failure) std::rethrow_exception(writer.failure);
   if (draw_failure_) std::rethrow_exception(draw_failure_);
+}
+
+void FramePipeline::drop_all() {
+  snapshots_.abandon();
+  for (Writer& writer : writers_) writer.images.abandon();
 }
 
 void FramePipeline::stop() {
   if (drawer_.joinable()) drawer_.join();
-  images_.close();
-  if (writer_.joinable()) writer_.join();
+  for (Writer& writer : writers_) writer.images.close();
+  for (Writer& writer : writers_)
+    if (writer.thread.joinable()) writer.thread.join();
 }
 
 void FramePipeline::draw_frames(const RendererSettings& settings, const ContextRequest& request) {
@@ -55,36 +61,37 @@ void FramePipeline::draw_frames(const RendererSettings& settings, const ContextR
     return;
   }
   try {
-    Stopwatch watch;
     while (std::optional<Snapshot> snapshot = snapshots_.pop()) {
-      drawing_.wait += watch.lap();
-      Image image = draw_(*renderer, *snapshot);
-      drawing_.busy += watch.lap();
-      if (!images_.push({snapshot->frame, std::move(image)})) {
-        snapshots_.abandon();
-        return;
-      }
+      drawing_.wait += drawing_watch_.lap();
+      auto image = std::make_shared<const Image>(draw_(*renderer, *snapshot));
+      drawing_.busy += drawing_watch_.lap();
+      if (!hand_out({snapshot->frame, std::move(image)})) return;
     }
-    drawing_.wait += watch.lap();
+    drawing_.wait += drawing_watch_.lap();
   } catch (...) {
     draw_failure_ = std::current_exception();
     snapshots_.abandon();
   }
 }
 
-void FramePipeline::write_frames() {
+bool FramePipeline::hand_out(const Drawn& drawn) {
+  for (Writer& writer : writers_)
+    if (!writer.images.push(drawn)) return false;
+  return true;
+}
+
+void FramePipeline::write_frames(Writer& writer) {
   try {
     Stopwatch watch;
-    while (std::optional<std::pair<int, Image>> image = images_.pop()) {
-      writing_.wait += watch.lap();
-      write_(image->first, image->second);
-      writing_.busy += watch.lap();
+    while (std::optional<Drawn> drawn = writer.images.pop()) {
+      writer.load.wait += watch.lap();
+      writer.write(drawn->frame, *drawn->image);
+      writer.load.busy += watch.lap();
     }
-    writing_.wait += watch.lap();
+    writer.load.wait += watch.lap();
   } catch (...) {
-    write_failure_ = std::current_exception();
-    images_.abandon();
-    snapshots_.abandon();
+    writer.failure = std::current_exception();
+    drop_all();
   }
 }
 

@@ -63,14 +63,12 @@ std::string_view name_of(Ending ending) {
   }
 }
 
+json to_json(const Load& load) { return {{"busy", load.busy}, {"wait", load.wait}}; }
+
 json stages_of(const RunRecord& record) {
-  return {{"build", {{"busy", record.build_seconds}}},
-          {"simulate", {{"busy", record.simulate_seconds}, {"wait", record.simulate_wait}}},
-          {"skin", {{"busy", record.skin_seconds}}},
-          {"draw", {{"busy", record.drawing.busy}, {"wait", record.drawing.wait}}},
-          {"png", {{"busy", record.png_seconds}}},
-          {"video", {{"busy", record.video_seconds}}},
-          {"write", {{"busy", record.png_seconds + record.video_seconds}, {"wait", record.write_wait}}}};
+  return {{"build", to_json(record.build)}, {"simulate", to_json(record.simulate)},
+          {"skin", to_json(record.skin)},   {"draw", to_json(record.draw)},
+          {"png", to_json(record.png)},     {"video", to_json(record.video)}};
 }
 
 json time_step_of(const SolverStatistics& statistics) {
@@ -86,7 +84,7 @@ std::string version_text() { return fmt::format("deforma {}", DEFORMA_VERSION); 
 std::string make_report(const Scene& scene, const World& world, const RunRecord& record) {
   const SolverStatistics& statistics = world.solver->statistics();
   double per_substep =
-      statistics.substeps == 0 ? 0.0 : record.simulate_seconds / static_cast<double>(statistics.substeps);
+      statistics.substeps == 0 ? 0.0 : record.simulate.busy / static_cast<double>(statistics.substeps);
   double rate = record.frames_seconds > 0.0 ? record.frames_written / record.frames_seconds : 0.0;
   json report = {
       {"version", DEFORMA_VERSION},

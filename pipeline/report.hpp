@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "pipeline/build.hpp"
-#include "pipeline/frame_pipeline.hpp"
 #include "pipeline/scene.hpp"
+#include "pipeline/stopwatch.hpp"
 #include "render/context.hpp"
 #include "render/renderer.hpp"
 #include "sim/solver.hpp"
@@ -21,16 +21,12 @@ struct RunRecord {
   std::string ending_message;  ///< why, unless complete
   ContextFacts context;
   int frames_written = 0;
-  double seconds = 0.0;  ///< the whole run
-  double build_seconds = 0.0;
+  double seconds = 0.0;         ///< the whole run
   double frames_seconds = 0.0;  ///< from the first frame's simulation to the last one's file
-  double simulate_seconds = 0.0;
-  double skin_seconds = 0.0;
-  double simulate_wait = 0.0;  ///< for the drawing
-  FramePipeline::Load drawing;
-  double png_seconds = 0.0;
-  double video_seconds = 0.0;
-  double write_wait = 0.0;
+  Load build;                   ///< waits for the renderer
+  Load simulate;                ///< waits for the drawing, which it may be only so far ahead of
+  Load skin;                    ///< follows the simulation on its thread, so it never waits
+  Load draw, png, video;
   Ledger first, last;
 };
 

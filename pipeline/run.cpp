@@ -82,14 +82,14 @@ void simulate(const Scene& scene, Solver& solver, const FrameRange& frames, cons
       record.ending_message = error.what();
       return;
     }
-    record.simulate_seconds += watch.lap();
+    record.simulate.busy += watch.lap();
     record.last = solver.ledger();
     if (frame < frames.first) continue;
     watch.lap();
     Snapshot snapshot = take_snapshot(scene, solver, frame);
-    record.skin_seconds += watch.lap();
+    record.skin.busy += watch.lap();
     pipeline.push(std::move(snapshot));
-    record.simulate_wait += watch.lap();
+    record.simulate.wait += watch.lap();
   }
 }
 
@@ -106,8 +106,9 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
   World world = build(scene);
   frame_scene(scene, world.solver->state());
   Drawing drawing(scene, world.solver->state());
-  record.build_seconds = watch.lap();
+  record.build.busy = watch.lap();
   record.context = wait_for_renderer(pipeline);
+  record.build.wait = watch.lap();
   if (options.tell_warning)
     for (const std::string& warning : world.warnings) options.tell_warning(warning);
 
@@ -116,33 +117,34 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
   write_text(folder.scene_file(), scene_to_toml(scene));
   Progress progress(options.progress);
   progress.begin(frames.first, frames.last);
+  std::vector<FramePipeline::Write> writers = {[&](int frame, const Image& image) {
+    write_png(folder.frame_file(frame), image, {{"Software", version_text()}, {"Title", scene.name}});
+    folder.keep();  // a finished frame is worth keeping, whatever happens later
+    ++record.frames_written;
+    progress.frame_done(frame);
+  }};
+  if (video) writers.push_back([&](int, const Image& image) { video->add(image); });
   watch.lap();
   try {
-    pipeline.start(
-        [&](Renderer& renderer, const Snapshot& snapshot) {
-          return renderer.draw(drawing.content(snapshot));
-        },
-        [&](int frame, const Image& image) {
-          Stopwatch writing;
-          write_png(folder.frame_file(frame), image, {{"Software", version_text()}, {"Title", scene.name}});
-          folder.keep();  // a finished frame is worth keeping, whatever happens later
-          record.png_seconds += writing.lap();
-          if (video) video->add(image);
-          record.video_seconds += writing.lap();
-          ++record.frames_written;
-          progress.frame_done(frame);
-        });
+    pipeline.start([&](Renderer& renderer,
+                       const Snapshot& snapshot) { return renderer.draw(drawing.content(snapshot)); },
+                   std::move(writers));
     record.first = world.solver->ledger();
     simulate(scene, *world.solver, frames, options, pipeline, record);
+    Stopwatch rest;
     pipeline.finish();
+    record.simulate.wait += rest.lap();
   } catch (...) {
     pipeline.abandon();
     throw;
   }
   folder.keep();
+  record.draw = pipeline.drawing();
+  record.png = pipeline.writing(0);
+  if (video) record.video = pipeline.writing(1);
   Stopwatch closing;
   if (video && record.frames_written > 0) video->close();
-  record.video_seconds += closing.lap();
+  record.video.busy += closing.lap();
   progress.end();
   const std::size_t told = world.warnings.size();
   warn_of_inversion(world.solver->state(), world.solver->state().time, world.warnings);
@@ -150,8 +152,6 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
     for (std::size_t w = told; w < world.warnings.size(); ++w) options.tell_warning(world.warnings[w]);
 
   record.frames_seconds = watch.lap();
-  record.drawing = pipeline.drawing();
-  record.write_wait = pipeline.writing().wait;
   record.seconds = whole.lap();
   write_text(folder.report_file(), make_report(scene, world, record));
   return record;

@@ -5,6 +5,12 @@
 
 namespace deforma {
 
+/// Time that a stage worked and that it waited for others [s].
+struct Load {
+  double busy = 0.0;
+  double wait = 0.0;
+};
+
 /// Seconds since it was made or last read.
 class Stopwatch {
  public:
