@@ -1,16 +1,15 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "pipeline/build.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/framing.hpp"
 #include "pipeline/stopwatch.hpp"
+#include "pipeline/thread_count.hpp"
 
 namespace deforma {
 
@@ -74,13 +73,7 @@ void try_out(const Scene& scene, Solver& solver) {
              duration_text(spent / simulated * scene.duration), solver.statistics().substeps);
 }
 
-}  // namespace
-
-int check(const SceneOptions& options) {
-  Scene scene = options.load();
-  std::optional<tbb::global_control> threads;
-  if (options.threads > 0)
-    threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+void look_over(Scene scene) {
   World world = build(scene);
   frame_scene(scene, world.solver->state());
   fmt::print("{}: {} s at {} frames per second, {}x{}\n", scene.name, scene.duration, scene.fps,
@@ -96,6 +89,12 @@ int check(const SceneOptions& options) {
   print_neighbors(world.solver->state());
   for (const std::string& warning : world.warnings) fmt::print(stderr, "warning: {}\n", warning);
   try_out(scene, *world.solver);
+}
+
+}  // namespace
+
+int check(const SceneOptions& options) {
+  on_threads(options.threads, [&] { look_over(options.load()); });
   return exit_ok;
 }
 

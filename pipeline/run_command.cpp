@@ -1,5 +1,4 @@
 #include <fmt/core.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <csignal>
@@ -7,6 +6,7 @@
 #include "pipeline/commands.hpp"
 #include "pipeline/interrupt.hpp"
 #include "pipeline/run.hpp"
+#include "pipeline/thread_count.hpp"
 
 namespace deforma {
 
@@ -38,13 +38,10 @@ int run(const RunCommand& options) {
   InterruptWatch interrupt;
   run_options.stop_requested = [&] { return interrupt.signal() != 0; };
 
-  std::optional<tbb::global_control> threads;
-  if (options.scene.threads > 0)
-    threads.emplace(tbb::global_control::max_allowed_parallelism,
-                    static_cast<std::size_t>(options.scene.threads));
   bool has_video = scene.output.video != "none";
   std::string video = "video." + scene.output.video;
-  RunRecord record = run_scene(std::move(scene), run_options);
+  RunRecord record =
+      on_threads(options.scene.threads, [&] { return run_scene(std::move(scene), run_options); });
 
   if (!options.quiet)
     fmt::print("{} frame{} in {:.1f} s on {} ({}): {}\n", record.frames_written,

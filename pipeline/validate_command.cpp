@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
 
@@ -9,10 +8,10 @@
 #include <filesystem>
 #include <iterator>
 #include <mutex>
-#include <optional>
 
 #include "pipeline/commands.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/thread_count.hpp"
 #include "pipeline/user_error.hpp"
 #include "pipeline/validation_table.hpp"
 
@@ -176,12 +175,10 @@ int validate(const ValidateCommand& command) {
   if (jobs.empty())
     throw UserError("nothing to validate: no chosen case has as many particles across as chosen");
   if (!command.folder.empty()) make_folder(command.folder);
-  std::optional<tbb::global_control> threads;
-  if (command.threads > 0)
-    threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(command.threads));
   std::vector<Override> overrides;
   for (const std::string& set : command.sets) overrides.push_back(parse_override(set));
-  std::vector<ValidationRow> rows = run_jobs(std::move(jobs), overrides, command.quiet);
+  std::vector<ValidationRow> rows =
+      on_threads(command.threads, [&] { return run_jobs(std::move(jobs), overrides, command.quiet); });
   fmt::print("{}", validation_text(rows));
   if (!command.folder.empty()) {
     write_text(fs::path(command.folder) / "validation.md", validation_markdown(rows));

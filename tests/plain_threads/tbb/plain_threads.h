@@ -9,6 +9,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 // What the program uses of oneTBB, over plain threads. ThreadSanitizer, which does not see how a stock oneTBB hands work
 // over, then knows exactly what may run beside what. Every loop is shared out, however short it is and however busy the
@@ -172,12 +173,13 @@ class task_arena {
   explicit task_arena(int width) : width_(static_cast<std::size_t>(width)) {}
 
   template <typename Body>
-  void execute(const Body& body) {
-    std::size_t& width = plain::arena_width();
-    const std::size_t before = width;
-    width = width_;
-    body();
-    width = before;
+  auto execute(const Body& body) {
+    struct Inside {
+      explicit Inside(std::size_t width) : before(std::exchange(plain::arena_width(), width)) {}
+      ~Inside() { plain::arena_width() = before; }
+      std::size_t before;
+    } inside(width_);
+    return body();
   }
 
  private:
