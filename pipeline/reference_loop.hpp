@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pipeline/reference_kernel.hpp"
+#include "sim/state.hpp"
+
+namespace deforma {
+
+/// What the reference loop simulates with.
+struct ReferenceMaterial {
+  double young = 1e5;      ///< [Pa]
+  double poisson = 0.3;    ///< -
+  double hourglass = 1.0;  ///< zeta; 0: none
+};
+
+/// The linear fit written down as its equations stand, on one thread: what the program's own speed is divided by.
+///
+/// Every link has its gradient vector g_ij ready (24 bytes and an index); one pass finds F and the neo-Hookean stress,
+/// one adds f_i += T g, f_j -= T g and the pair forces of hourglass control, and symplectic Euler follows. It takes the
+/// AVX2 of the processor as the program itself does, but no layout made for it. Its forces are the program's to rounding,
+/// for bodies at rest in no field, that nothing holds.
+class ReferenceLoop {
+ public:
+  enum class Machine { best, portable };
+
+  /// @param state of `neo_hookean` bodies of one material, fitted linearly; its motion is where the loop begins
+  /// @throws std::invalid_argument for the quadratic fit, and for a particle whose neighbours do not span space.
+  ReferenceLoop(const State& state, const ReferenceMaterial& material, Machine machine = Machine::best);
+  ReferenceLoop(const ReferenceLoop&) = delete;
+  ReferenceLoop& operator=(const ReferenceLoop&) = delete;
+
+  /// @param displacement [m]        n
+  /// @param force        written [N]  n
+  void find_force(std::span<const Vec3> displacement, std::span<Vec3> force);
+
+  /// @param dt [s], below the stability limit
+  void advance(int steps, double dt);
+
+  std::vector<Vec3> displacement() const;  ///< [m]        n
+
+  /// That one step reads and writes, if nothing but a row stays in the cache.
+  std::size_t bytes_per_step() const;
+
+ private:
+  std::vector<std::uint32_t> start_, j_;
+  std::vector<double> g_, c_, rest_, mass_, weight_, u_, v_, gradient_, carried_, force_;
+  ReferenceArrays arrays_;
+  const ReferenceKernel* kernel_;
+};
+
+}  // namespace deforma

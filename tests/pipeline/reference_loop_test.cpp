@@ -1,0 +1,98 @@
+#include "pipeline/reference_loop.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/bench_body.hpp"
+#include "pipeline/build.hpp"
+
+namespace deforma {
+namespace {
+
+World bench_world(bool hourglass, Gradient gradient = Gradient::linear) {
+  return build(bench_scene({.across = {6, 7, 8},
+                            .gradient = gradient,
+                            .links = gradient == Gradient::linear ? std::optional(bench_links) : std::nullopt,
+                            .hourglass = hourglass}));
+}
+
+ReferenceMaterial material(bool hourglass) { return {bench_young, bench_poisson, hourglass ? 1.0 : 0.0}; }
+
+/// Large and uneven: strains of some ten per cent.
+std::vector<Vec3> bent(const State& state) {
+  std::vector<Vec3> u;
+  for (const Vec3& X : state.particles.rest)
+    u.push_back(0.1 * Vec3(std::sin(7 * X.y()), std::sin(5 * X.z() + 1), std::sin(6 * X.x() + 2)) +
+                0.004 * Vec3(std::sin(91 * X.x()), std::sin(87 * X.y()), std::sin(99 * X.z())));
+  return u;
+}
+
+double norm(std::span<const Vec3> vectors) {
+  double sum = 0.0;
+  for (const Vec3& v : vectors) sum += v.squaredNorm();
+  return std::sqrt(sum);
+}
+
+double difference(std::span<const Vec3> a, std::span<const Vec3> b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(sum);
+}
+
+TEST(ReferenceLoop, HasTheForcesOfTheProgramForEachMachine) {
+  for (bool hourglass : {false, true}) {
+    World world = bench_world(hourglass);
+    const std::vector<Vec3> u = bent(world.solver->state());
+    std::vector<Vec3> ours(u.size()), theirs(u.size());
+    world.solver->static_force(u, ours);
+    for (auto machine : {ReferenceLoop::Machine::best, ReferenceLoop::Machine::portable}) {
+      ReferenceLoop reference(world.solver->state(), material(hourglass), machine);
+      reference.find_force(u, theirs);
+      EXPECT_LT(difference(ours, theirs), 1e-9 * norm(ours)) << hourglass;
+      for (const Vec3& force : theirs) ASSERT_GT(force.norm(), 0.0);
+    }
+  }
+}
+
+TEST(ReferenceLoop, MovesAsTheProgramWithSymplecticEuler) {
+  Scene scene = bench_scene({.across = {6, 7, 8}, .links = bench_links});
+  scene.solver.integrator = "symplectic_euler";
+  scene.bodies[0].angular_velocity = Vec3(6, 4, 2);  // enough for strains of some per cent
+  World world = build(scene);
+  constexpr int steps = 20;
+  const double dt = 0.5 * world.solver->stable_step();
+  ReferenceLoop reference(world.solver->state(), material(true));
+  for (int step = 0; step < steps; ++step) world.solver->advance(dt);
+  ASSERT_EQ(world.solver->statistics().substeps, steps);
+  reference.advance(steps, dt);
+  const std::vector<Vec3>& u = world.solver->state().particles.displacement;
+  EXPECT_LT(difference(reference.displacement(), u), 1e-9 * norm(u));
+}
+
+TEST(ReferenceLoop, RefusesWhatItCannotSimulate) {
+  World world = bench_world(true, Gradient::quadratic);
+  EXPECT_THROW(ReferenceLoop(world.solver->state(), {}), std::invalid_argument);
+  World linear = bench_world(true);
+  ReferenceLoop reference(linear.solver->state(), {});
+  std::vector<Vec3> few(3), force(linear.solver->state().size());
+  EXPECT_THROW(reference.find_force(few, force), std::invalid_argument);
+}
+
+TEST(BenchBody, HasAsManyParticlesAndLinksAsAskedFor) {
+  for (int particles : {1000, 8000}) {
+    BenchBody body = bench_cube(particles);
+    ASSERT_EQ(body.particles(), particles);
+    body.links = bench_links;
+    const World world = build(bench_scene(body));
+    const State& state = world.solver->state();
+    ASSERT_EQ(state.size(), static_cast<std::size_t>(particles));
+    EXPECT_NEAR(static_cast<double>(state.links.links.size()) / particles, bench_links, 0.02 * bench_links);
+    EXPECT_EQ(state.fit.count_below(3), 0u);
+    EXPECT_THAT(world.warnings, testing::IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace deforma
