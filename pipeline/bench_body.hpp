@@ -20,6 +20,8 @@ struct BenchBody {
   bool hourglass = true;
 
   int particles() const { return across[0] * across[1] * across[2]; }
+  /// The stiffness of hourglass control that comes with the fit.
+  double usual_hourglass() const { return gradient == Gradient::quadratic ? 10.0 : 1.0; }
 };
 
 /// Of its material.

@@ -42,9 +42,34 @@ void find_stress(const ReferenceArrays& body) {
   }
 }
 
-template <bool hourglass>
+// e_ij = u_ij - (grad u_i + grad u_j)/2 X_ij pulls at both particles and bends their stress.
+void add_trapezoid(const ReferenceArrays& body) {
+  for (std::size_t i = 0; i < body.particles; ++i) {
+    const double* G = body.gradient + 9 * i;
+    const double* u = body.u + 3 * i;
+    const double* X = body.rest + 3 * i;
+    double sum[3] = {}, moment[9] = {};
+    for (std::uint32_t l = body.start[i]; l < body.start[i + 1]; ++l) {
+      const std::size_t j = body.j[l];
+      const double* H = body.gradient + 9 * j;
+      double arm[3], f[3];
+      for (int k = 0; k < 3; ++k) arm[k] = body.rest[3 * j + k] - X[k];
+      for (int k = 0; k < 3; ++k) {
+        const double fitted =
+            (G[k] + H[k]) * arm[0] + (G[3 + k] + H[3 + k]) * arm[1] + (G[6 + k] + H[6 + k]) * arm[2];
+        f[k] = body.c[l] * (body.u[3 * j + k] - u[k] - 0.5 * fitted);
+        sum[k] += f[k];
+      }
+      for (int m = 0; m < 3; ++m)
+        for (int k = 0; k < 3; ++k) moment[3 * m + k] += f[k] * arm[m];
+    }
+    for (int k = 0; k < 3; ++k) body.force[3 * i + k] += sum[k];
+    for (int k = 0; k < 9; ++k) body.carried[9 * i + k] -= 0.5 * moment[k];
+  }
+}
+
+template <bool own_residual>
 void scatter_force(const ReferenceArrays& body) {
-  for (std::size_t k = 0; k < 3 * body.particles; ++k) body.force[k] = 0.0;
   for (std::size_t i = 0; i < body.particles; ++i) {
     const double* T = body.carried + 9 * i;
     const double* G = body.gradient + 9 * i;
@@ -57,7 +82,7 @@ void scatter_force(const ReferenceArrays& body) {
       double* reaction = body.force + j;
       double f[3];
       for (int k = 0; k < 3; ++k) f[k] = T[k] * g[0] + T[3 + k] * g[1] + T[6 + k] * g[2];
-      if constexpr (hourglass) {
+      if constexpr (own_residual) {
         const double x = body.rest[j] - X[0], y = body.rest[j + 1] - X[1], z = body.rest[j + 2] - X[2];
         for (int k = 0; k < 3; ++k)
           f[k] -= body.c[l] * (G[k] * x + G[3 + k] * y + G[6 + k] * z - (body.u[j + k] - u[k]));
@@ -73,7 +98,9 @@ void scatter_force(const ReferenceArrays& body) {
 
 void find_force(const ReferenceArrays& body) {
   find_stress(body);
-  if (body.c)
+  for (std::size_t k = 0; k < 3 * body.particles; ++k) body.force[k] = 0.0;
+  if (body.residual == ReferenceResidual::trapezoid) add_trapezoid(body);
+  if (body.residual == ReferenceResidual::own_fit)
     scatter_force<true>(body);
   else
     scatter_force<false>(body);

@@ -38,52 +38,66 @@ ReferenceLoop::ReferenceLoop(const State& state, const ReferenceMaterial& materi
       u_(flat(state.particles.displacement)),
       v_(flat(state.particles.velocity)),
       kernel_(&kernel_for(machine)) {
-  if (state.fit.quadratic()) throw std::invalid_argument("the reference loop has the linear fit only");
-  const std::size_t n = state.size(), links = state.links.links.size();
-  j_.reserve(links);
-  g_.reserve(3 * links);
-  if (material.hourglass > 0.0) c_.reserve(links);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (state.fit.rank[i] != 3)
-      throw std::invalid_argument(fmt::format("the neighbours of particle {} do not span space", i));
-    const Range row = state.links.row(i);
-    auto offset = [&](const Link& link) -> Vec3 {
-      return state.particles.rest[link.j] - state.particles.rest[i];
-    };
-    Mat3 A = Mat3::Zero();
-    for (Index l = row.begin; l < row.end; ++l) {
-      const Link& link = state.links.links[l];
-      A += link.weight * offset(link) * offset(link).transpose();  // eq 6
-    }
-    const Mat3 inverse = A.inverse();
-    const double pair = material.hourglass * material.young * state.particles.volume[i] / A.trace();
-    for (Index l = row.begin; l < row.end; ++l) {
-      const Link& link = state.links.links[l];
-      const Vec3 g = link.weight * (inverse * offset(link));
-      j_.push_back(link.j);
-      g_.insert(g_.end(), g.begin(), g.end());
-      if (material.hourglass > 0.0) c_.push_back(pair * link.weight);
-    }
-  }
+  link(state, material);
+  const std::size_t n = state.size();
   gradient_.resize(9 * n);
   carried_.resize(9 * n);
   force_.resize(3 * n);
-  const Lame lame = lame_constants(material.young, material.poisson);
+  const auto [lambda, mu] = lame_constants(material.young, material.poisson);
+  const ReferenceResidual residual = c_.empty()              ? ReferenceResidual::none
+                                     : state.fit.quadratic() ? ReferenceResidual::trapezoid
+                                                             : ReferenceResidual::own_fit;
   arrays_ = {n,
              start_.data(),
              j_.data(),
              g_.data(),
-             c_.empty() ? nullptr : c_.data(),
+             c_.data(),
+             residual,
              rest_.data(),
              mass_.data(),
              weight_.data(),
-             lame.lambda,
-             lame.mu,
+             lambda,
+             mu,
              u_.data(),
              v_.data(),
              gradient_.data(),
              carried_.data(),
              force_.data()};
+}
+
+void ReferenceLoop::link(const State& state, const ReferenceMaterial& material) {
+  const std::size_t n = state.size(), links = state.links.links.size();
+  auto offset = [&](std::size_t i, const Link& link) -> Vec3 {
+    return state.particles.rest[link.j] - state.particles.rest[i];
+  };
+  std::vector<Mat3> A(n, Mat3::Zero());
+  std::vector<double> stiffness(n);  // c_ij = stiffness_i W_ij
+  for (std::size_t i = 0; i < n; ++i) {
+    if (state.fit.rank[i] != 3)
+      throw std::invalid_argument(fmt::format("the neighbours of particle {} do not span space", i));
+    const Range row = state.links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) {
+      const Link& link = state.links.links[l];
+      A[i] += link.weight * offset(i, link) * offset(i, link).transpose();  // eq 6
+    }
+    stiffness[i] = material.hourglass * material.young * state.particles.volume[i] / A[i].trace();
+  }
+  j_.reserve(links);
+  g_.reserve(3 * links);
+  if (material.hourglass > 0.0) c_.reserve(links);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Mat3 inverse = A[i].inverse();
+    const Range row = state.links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) {
+      const Link& link = state.links.links[l];
+      const Vec3 g = state.fit.quadratic() ? state.fit.pairs[l].there
+                                           : Vec3(link.weight * (inverse * offset(i, link)));  // eq 7
+      j_.push_back(link.j);
+      g_.insert(g_.end(), g.begin(), g.end());
+      if (material.hourglass > 0.0)
+        c_.push_back((stiffness[i] + (state.fit.quadratic() ? stiffness[link.j] : 0.0)) * link.weight);
+    }
+  }
 }
 
 void ReferenceLoop::find_force(std::span<const Vec3> displacement, std::span<Vec3> force) {
@@ -110,18 +124,22 @@ std::vector<Vec3> ReferenceLoop::displacement() const {
 }
 
 std::size_t ReferenceLoop::bytes_per_step() const {
-  constexpr std::size_t vector = 3 * sizeof(double), matrix = 9 * sizeof(double);
-  const std::size_t links = j_.size(), particles = mass_.size();
-  std::size_t per_link = 2 * (vector + sizeof(std::uint32_t));
-  // grad u and the stress are written and read, u and the weight read; the force is cleared, and read and written as
-  // often as it is gathered; v and u are read and written, the force and the mass read.
-  std::size_t per_particle = 2 * sizeof(std::uint32_t) + vector + sizeof(double) + 2 * matrix + 3 * vector +
-                             5 * vector + sizeof(double);
-  if (!c_.empty()) {
-    per_link += sizeof(double);
-    per_particle += matrix + 2 * vector;  // grad u, u and X in the second pass
+  constexpr std::size_t number = sizeof(double), vector = 3 * number, matrix = 9 * number,
+                        index = sizeof(std::uint32_t);
+  std::size_t per_link = 2 * (vector + index);
+  std::size_t per_particle = index + vector + number + 2 * matrix  // u and weight to grad u and stress
+                             + vector                              // the force cleared
+                             + index + matrix + 2 * vector         // stress to force
+                             + number + 5 * vector;  // force and mass to v and u, both read and written
+  if (arrays_.residual == ReferenceResidual::own_fit) {
+    per_link += number;
+    per_particle += matrix + 2 * vector;  // grad u, u, X
+  } else if (arrays_.residual == ReferenceResidual::trapezoid) {
+    per_link += index + number;
+    per_particle +=
+        index + 3 * matrix + 4 * vector;  // grad u, u, X to force and stress, both read and written
   }
-  return links * per_link + particles * per_particle;
+  return j_.size() * per_link + mass_.size() * per_particle;
 }
 
 }  // namespace deforma

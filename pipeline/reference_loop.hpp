@@ -16,18 +16,19 @@ struct ReferenceMaterial {
   double hourglass = 1.0;  ///< zeta; 0: none
 };
 
-/// The linear fit written down as its equations stand, on one thread: what the program's own speed is divided by.
+/// The solid written down as its equations stand, on one thread: what the program's own speed is divided by.
 ///
-/// Every link has its gradient vector g_ij ready (24 bytes and an index); one pass finds F and the neo-Hookean stress,
-/// one adds f_i += T g, f_j -= T g and the pair forces of hourglass control, and symplectic Euler follows. It takes the
-/// AVX2 of the processor as the program itself does, but no layout made for it. Its forces are the program's to rounding,
-/// for bodies at rest in no field, that nothing holds.
+/// Every link has its gradient vector g_ij ready (24 bytes and an index) and its stiffness (8 bytes); one pass finds F and
+/// the neo-Hookean stress, one adds f_i += T g, f_j -= T g and, with the linear fit, the pair forces of hourglass control;
+/// the quadratic fit has a pass of its own for its residual between them. Symplectic Euler follows. It takes the AVX2 of
+/// the processor as the program itself does, but no layout made for it. Its forces are the program's to rounding, for
+/// bodies in no field, that nothing holds.
 class ReferenceLoop {
  public:
   enum class Machine { best, portable };
 
-  /// @param state of `neo_hookean` bodies of one material, fitted linearly; its motion is where the loop begins
-  /// @throws std::invalid_argument for the quadratic fit, and for a particle whose neighbours do not span space.
+  /// @param state of `neo_hookean` bodies of one material; its motion is where the loop begins
+  /// @throws std::invalid_argument for a particle whose neighbours do not span space.
   ReferenceLoop(const State& state, const ReferenceMaterial& material, Machine machine = Machine::best);
   ReferenceLoop(const ReferenceLoop&) = delete;
   ReferenceLoop& operator=(const ReferenceLoop&) = delete;
@@ -45,6 +46,8 @@ class ReferenceLoop {
   std::size_t bytes_per_step() const;
 
  private:
+  void link(const State& state, const ReferenceMaterial& material);
+
   std::vector<std::uint32_t> start_, j_;
   std::vector<double> g_, c_, rest_, mass_, weight_, u_, v_, gradient_, carried_, force_;
   ReferenceArrays arrays_;
