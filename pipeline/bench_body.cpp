@@ -12,9 +12,8 @@ namespace deforma {
 
 namespace {
 
-constexpr double spacing = 1.0 / 16.0;  // [m]
-constexpr double jitter = 0.2;          // spacings
-constexpr int neighbors = 18;           // that the mean distance is taken of
+constexpr double jitter = 0.2;  // spacings
+constexpr int neighbors = 18;   // that the mean distance is taken of
 
 /// Mean number of links of such a body, as far as links depend on the support.
 double mean_links(const BenchBody& body, double support) {
@@ -22,7 +21,7 @@ double mean_links(const BenchBody& body, double support) {
   constexpr int enough = 32;
   Particles particles;
   std::mt19937 generator(1);
-  auto place = [&](int k) { return spacing * (k + jitter * (generator() / 2147483648.0 - 1.0)); };
+  auto place = [&](int k) { return bench_spacing * (k + jitter * (generator() / 2147483648.0 - 1.0)); };
   const auto [nx, ny, nz] = body.across;
   for (int x = 0; x < std::min(nx, enough); ++x)
     for (int y = 0; y < std::min(ny, enough); ++y)
@@ -30,7 +29,7 @@ double mean_links(const BenchBody& body, double support) {
   const auto count = static_cast<Index>(particles.size());
   Body all;
   all.particles = {0, count};
-  all.spacing = spacing;
+  all.spacing = bench_spacing;
   const Neighborhood links =
       build_neighborhood(particles, std::span(&all, 1), {.neighbors = neighbors, .support = support});
   return static_cast<double>(links.links.size()) / static_cast<double>(count);
@@ -48,16 +47,27 @@ SceneShape box(const BenchBody& body) {
                                   [](const ShapeInfo& shape) { return shape.name == "box"; });
   SceneShape shape{&*boxes, Parameters(boxes->settings)};
   const auto [nx, ny, nz] = body.across;
-  shape.parameters.set("size", Curve<Vec3>(spacing * Vec3(nx, ny, nz)));
+  shape.parameters.set("size", Curve<Vec3>(bench_spacing * Vec3(nx, ny, nz)));
   shape.parameters.set("resolution", Curve<double>(std::max({nx, ny, nz})));
   return shape;
 }
 
 }  // namespace
 
-BenchBody bench_cube(int particles) {
+BenchBody bench_box(int particles) {
   const int across = std::max(2, static_cast<int>(std::lround(std::cbrt(particles))));
-  return {.across = {across, across, across}};
+  BenchBody body;
+  body.across = {across, across, across};
+  for (int x = across; x > across / 2; --x) {
+    if (particles % x != 0) continue;
+    const int face = particles / x;
+    int y = static_cast<int>(std::sqrt(face));
+    while (face % y != 0) --y;
+    if (std::max(x, face / y) > 2 * std::min(x, y)) continue;
+    body.across = {x, y, face / y};
+    break;
+  }
+  return body;
 }
 
 Scene bench_scene(const BenchBody& body) {
@@ -73,7 +83,7 @@ Scene bench_scene(const BenchBody& body) {
   SceneBody& one = scene.bodies.emplace_back();
   one.name = one.where = one.mesh_where = "bench body";
   one.shape = box(body);
-  one.position = 0.5 * spacing * Vec3(body.across[0], body.across[1], body.across[2]);
+  one.position = 0.5 * bench_spacing * Vec3(body.across[0], body.across[1], body.across[2]);
   one.particles = body.particles();
   one.jitter = jitter;
   one.angular_velocity = Vec3(0.3, 0.2, 0.1);

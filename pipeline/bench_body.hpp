@@ -24,6 +24,8 @@ struct BenchBody {
   double usual_hourglass() const { return gradient == Gradient::quadratic ? 10.0 : 1.0; }
 };
 
+inline constexpr double bench_spacing = 1.0 / 16.0;  // [m]
+
 /// Of its material.
 inline constexpr double bench_young = 1e5;    // [Pa]
 inline constexpr double bench_poisson = 0.3;  // -
@@ -31,10 +33,10 @@ inline constexpr double bench_poisson = 0.3;  // -
 /// The number of links that the core is measured with.
 inline constexpr double bench_links = 37.0;
 
-/// The cube whose number of particles is nearest.
-BenchBody bench_cube(int particles);
+/// The box of so many particles that is nearest to a cube; a cube of nearly as many where it would be slender.
+BenchBody bench_box(int particles);
 
-/// One body of it, `spacing` 1/16 m, one corner at the origin.
+/// One body of it, one corner at the origin.
 Scene bench_scene(const BenchBody& body);
 
 /// Calls for an effect on a body of a scene. Values as `Parameters::set` takes them.

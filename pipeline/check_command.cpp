@@ -18,14 +18,6 @@ namespace {
 /// How long the solver is tried for to say how long the run will take [s].
 constexpr double trial_seconds = 0.5;
 
-std::size_t memory_of(const Solver& solver) {
-  const SolverStatistics& statistics = solver.statistics();
-  std::size_t bytes = 0;
-  for (const auto* passes : {&statistics.stages, &statistics.effects})
-    for (const SolverStatistics::Pass& pass : *passes) bytes += pass.bytes;
-  return bytes;
-}
-
 void print_bodies(const World& world) {
   fmt::print("\n{:<20} {:>10} {:>10} {:>10} {:>12} {:>12} {:>12}\n", "body", "particles", "vertices",
              "triangles", "mass [kg]", "volume [m3]", "spacing [m]");
@@ -60,7 +52,7 @@ void try_out(const Scene& scene, Solver& solver) {
   fmt::print("time step        {:.3g} s at the start\n", step);
   fmt::print("substeps         {:.0f} per frame, {} frames\n", substeps, scene.frames());
   fmt::print("memory           {:.1f} MB for particles, links, surface and effects\n",
-             static_cast<double>(memory_of(solver)) / 1e6);
+             static_cast<double>(solver.statistics().bytes()) / 1e6);
   Stopwatch watch;
   double spent = 0.0;
   double simulated = 0.0;

@@ -52,6 +52,17 @@ struct ValidateCommand {
 };
 int validate(const ValidateCommand& command);
 
+/// `deforma bench`: measures how fast this machine simulates.
+struct BenchCommand {
+  bool quick = false;               ///< small bodies, short turns, nothing drawn
+  std::vector<int> sizes;           ///< particles; usual ones when empty
+  std::vector<std::string> tables;  ///< names; all when empty
+  std::string json;                 ///< file to write the measurements to as well; not when empty
+  bool quiet = false;
+  int threads = 0;  ///< 0: all
+};
+int bench(const BenchCommand& command);
+
 /// Exit codes of the program.
 enum ExitCode {
   exit_ok = 0,

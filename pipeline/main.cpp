@@ -23,6 +23,7 @@ struct CommandLine {
   std::string mesh;
   NewCommand new_options;
   ValidateCommand validate_options;
+  BenchCommand bench_options;
   std::function<int()> action;
 
   CommandLine() {
@@ -38,6 +39,7 @@ struct CommandLine {
     command->add_option("-o,--output", new_options.file, "File to write; standard output by default")
         ->type_name("FILE");
     add_validate();
+    add_bench();
     program.require_subcommand(1);
     program.set_version_flag("--version", version_text());
   }
@@ -83,6 +85,10 @@ struct CommandLine {
     command->add_flag("--quiet", options.quiet, "Say nothing but errors");
   }
 
+  static void repeated(CLI::Option* option, const char* type) {
+    option->type_name(type)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+
   void add_validate() {
     ValidateCommand& options = validate_options;
     CLI::App* command =
@@ -93,9 +99,6 @@ struct CommandLine {
         "goal and a limit for their error: within the goal is 'ok', beyond it 'missed', beyond the limit\n"
         "'FAILED', and then the exit code is 1. Other settings are shown beside, but never fail. Every case\n"
         "is a scene: see --write.");
-    auto repeated = [&](CLI::Option* option, const char* type) {
-      option->type_name(type)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    };
     command->add_flag(
         "--quick", options.quick,
         "Only 4 and 6 particles across and, unless --settings says more, the default: a minute");
@@ -131,6 +134,33 @@ struct CommandLine {
     command
         ->add_option("--threads", options.threads,
                      "How many cases run side by side; as many as cores by default")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+  }
+
+  void add_bench() {
+    BenchCommand& options = bench_options;
+    CLI::App* command = add("bench", "Measure how fast this machine simulates, beside a plain loop",
+                            [this] { return bench(bench_options); });
+    command->footer(
+        "What a plain loop of the same physics does on the same bodies is measured in turn with the "
+        "program,\n"
+        "and every number is a median, so that ratios hold on a machine that has other work, too.");
+    command->add_flag("--quick", options.quick, "Small bodies and short turns: half a minute, but rough");
+    repeated(command
+                 ->add_option("-n,--particles", options.sizes,
+                              "So many particles instead of 300, 1000, 8000, 64000, 1e5 and 1e6 in the table "
+                              "of steps; may be repeated")
+                 ->check(CLI::Range(64, 100000000)),
+             "N");
+    repeated(
+        command->add_option("--table", options.tables,
+                            "Only this table: steps, stages, threads, effects or paper; may be repeated"),
+        "NAME");
+    command->add_option("--json", options.json, "Write the measurements to this file, too")
+        ->type_name("FILE");
+    command->add_flag("--quiet", options.quiet, "Do not tell what is being measured");
+    command->add_option("--threads", options.threads, "How many threads may be used; all by default")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
   }

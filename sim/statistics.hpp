@@ -20,6 +20,14 @@ struct SolverStatistics {
   };
   std::vector<Pass> effects;  ///< in running order
   std::vector<Pass> stages;   ///< deformation gradient, surface, force gather, integration, step measurement
+
+  /// Memory held by all of them.
+  std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const auto* passes : {&stages, &effects})
+      for (const Pass& pass : *passes) sum += pass.bytes;
+    return sum;
+  }
 };
 
 /// Adds to a pass one call and the time from its making to its end.

@@ -86,8 +86,8 @@ TEST(ReferenceLoop, RefusesArraysOfAnotherLength) {
 }
 
 TEST(BenchBody, HasAsManyParticlesAndLinksAsAskedFor) {
-  for (int particles : {1000, 8000}) {
-    BenchBody body = bench_cube(particles);
+  for (int particles : {300, 1000, 8000}) {
+    BenchBody body = bench_box(particles);
     ASSERT_EQ(body.particles(), particles);
     body.links = bench_links;
     const World world = build(bench_scene(body));
@@ -96,6 +96,17 @@ TEST(BenchBody, HasAsManyParticlesAndLinksAsAskedFor) {
     EXPECT_NEAR(static_cast<double>(state.links.links.size()) / particles, bench_links, 0.02 * bench_links);
     EXPECT_EQ(state.fit.count_below(3), 0u);
     EXPECT_THAT(world.warnings, testing::IsEmpty());
+  }
+}
+
+TEST(BenchBody, IsNoSlenderBox) {
+  EXPECT_EQ(bench_box(100000).particles(), 100000);
+  EXPECT_EQ(bench_box(1000000).particles(), 1000000);
+  for (int prime : {61, 1009, 64007}) {
+    const auto [x, y, z] = bench_box(prime).across;
+    EXPECT_EQ(x, y);
+    EXPECT_EQ(y, z);
+    EXPECT_NEAR(x * y * z, prime, 0.15 * prime);
   }
 }
 
