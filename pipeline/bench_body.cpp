@@ -93,6 +93,22 @@ Scene bench_scene(const BenchBody& body) {
   return scene;
 }
 
+Scene bench_pair(const BenchBody& body, double gap) {
+  Scene scene = bench_scene(body);
+  scene.bodies[0].angular_velocity.setZero();
+  scene.bodies.push_back(scene.bodies[0]);
+  SceneBody& lower = scene.bodies.front();
+  SceneBody& upper = scene.bodies.back();
+  upper.name = "upper bench body";
+  upper.position.z() += (body.across[2] + gap) * bench_spacing;
+  Region bottom, top;
+  bottom.max.z() = 0.01 * bench_spacing;
+  top.min.z() = (2 * body.across[2] + gap - 0.01) * bench_spacing;
+  add_effect(lower, "pin", {{"region", bottom}});
+  add_effect(upper, "pin", {{"region", top}});
+  return scene;
+}
+
 void add_effect(SceneBody& body, std::string_view name,
                 const std::vector<std::pair<std::string_view, SettingValue>>& values) {
   const EffectInfo& info = find_effect(name);

@@ -39,6 +39,9 @@ BenchBody bench_box(int particles);
 /// One body of it, one corner at the origin.
 Scene bench_scene(const BenchBody& body);
 
+/// Two of them, one above the other with a gap of so many spacings, held at the far ends so that they stay there.
+Scene bench_pair(const BenchBody& body, double gap);
+
 /// Calls for an effect on a body of a scene. Values as `Parameters::set` takes them.
 void add_effect(SceneBody& body, std::string_view name,
                 const std::vector<std::pair<std::string_view, SettingValue>>& values = {});

@@ -23,20 +23,6 @@ Scene one_body(const BenchSettings& settings) {
   return bench_scene(body);
 }
 
-/// A second body above the first, which it meets with a gap of so many spacings.
-Scene two_bodies(const BenchSettings& settings, double gap) {
-  BenchBody body = bench_box(settings.quick ? 512 : 4096);
-  body.links = bench_links;
-  Scene scene = bench_scene(body);
-  scene.bodies[0].angular_velocity.setZero();
-  scene.bodies.push_back(scene.bodies[0]);
-  SceneBody& upper = scene.bodies.back();
-  upper.name = "upper body";
-  upper.position.z() += (body.across[2] + gap) * bench_spacing;
-  upper.velocity = Vec3(0.01, 0, 0);
-  return scene;
-}
-
 std::unique_ptr<Solver> solver_of(const Scene& scene) { return build(scene).solver; }
 
 /// The same solver with its effects made one by one, as if there were no others to call for.
@@ -91,7 +77,9 @@ std::vector<Addition> additions(const BenchSettings& settings) {
   all.push_back(added(base, "pin", "of one face, with its particles", {{"region", top}}));
   all.push_back(on_the_ground(settings, 100.0));
   all.push_back(on_the_ground(settings, 0.05));
-  const Scene near = two_bodies(settings, 0.1);
+  BenchBody half = bench_box(settings.quick ? 512 : 4096);
+  half.links = bench_links;
+  const Scene near = bench_pair(half, 0.05);
   all.push_back(added(near, "contact", "of two bodies", {}));
   all.push_back(added(near, "lennard_jones", "of two bodies", {{"depth", Curve<double>(1e-4)}}));
   return all;

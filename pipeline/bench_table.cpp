@@ -12,7 +12,7 @@ namespace deforma {
 
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;  // columns as in the text
 
 std::string cell_text(const BenchTable::Cell& cell, int decimals) {
   if (const auto* text = std::get_if<std::string>(&cell)) return *text;
@@ -65,7 +65,8 @@ std::string bench_text(const BenchTable& table) {
 
 std::string bench_text(const BenchMachine& machine) {
   return fmt::format(
-      "{} on {}, {} processor{}\nmemory bandwidth {:.1f} GB/s on one thread, {:.1f} GB/s on {} (triad)\n",
+      "{} on {}, {} processor{}\n"
+      "memory bandwidth (triad): {:.1f} GB/s on one thread, {:.1f} GB/s on {} threads\n",
       version_text(), machine.processor, machine.processors, machine.processors == 1 ? "" : "s",
       1e-9 * machine.bandwidth, 1e-9 * machine.bandwidth_all, machine.threads);
 }

@@ -6,7 +6,7 @@ packages=(g++ cmake ninja-build ccache pkg-config
   libeigen3-dev libassimp-dev libtomlplusplus-dev libcli11-dev libtbb-dev libnanoflann-dev
   libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri libpng-dev
   libavcodec-dev libavformat-dev libavutil-dev libswscale-dev
-  nlohmann-json3-dev libfmt-dev libgtest-dev libgmock-dev)
+  nlohmann-json3-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
 
 # Installs those of the named packages that are missing; asks for nothing when all are there.
 install_missing() {
