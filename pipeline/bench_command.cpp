@@ -62,9 +62,9 @@ BenchMachine measure_machine() {
   machine.processor = processor_name();
   machine.processors = static_cast<int>(tbb::info::default_concurrency());
   machine.threads = static_cast<int>(Threads::active_value(Threads::max_allowed_parallelism));
-  machine.bandwidth_all = measure_bandwidth();
+  machine.bandwidth_all = measure_bandwidth(Turns::Clock::wall);
   Threads alone(Threads::max_allowed_parallelism, 1);
-  machine.bandwidth = measure_bandwidth();
+  machine.bandwidth = measure_bandwidth(Turns::Clock::thread);
   return machine;
 }
 

@@ -58,13 +58,15 @@ struct Tables {
 
 void measure(const std::vector<std::unique_ptr<Contestants>>& all, const BenchSettings& settings,
              Tables& tables) {
+  constexpr std::size_t each = 3;  // the program and both codes of the reference
   std::vector<std::function<double(double)>> things;
   for (const auto& one : all) {
     things.emplace_back([&one](double steps) { return advance_steps(*one->solver, steps); });
-    things.emplace_back([&one](double steps) {
-      one->reference->advance(static_cast<int>(steps), one->dt);
-      return steps;
-    });
+    for (auto code : {ReferenceLoop::Code::best, ReferenceLoop::Code::eigen})
+      things.emplace_back([&one, code](double steps) {
+        one->reference->advance(static_cast<int>(steps), one->dt, code);
+        return steps;
+      });
   }
   std::vector<double> seconds;
   {
@@ -73,16 +75,16 @@ void measure(const std::vector<std::unique_ptr<Contestants>>& all, const BenchSe
   }
   for (std::size_t k = 0; k < all.size(); ++k) {
     const BenchBody& body = all[k]->body;
-    const double ours = seconds[2 * k], reference = seconds[2 * k + 1];
+    const double ours = seconds[each * k], arrays = seconds[each * k + 1], eigen = seconds[each * k + 2];
     const double particles = body.particles();
     const double links = mean_links(all[k]->solver->state());
     const auto bytes = static_cast<double>(bytes_per_step(*all[k]->solver));
     tables.steps.rows.push_back({kind_of(body), particles, links, 1e6 * ours, 1e-6 * particles / ours,
                                  1e-6 * links * particles / ours, bytes / particles,
-                                 100.0 * bytes / ours / settings.bandwidth, 1e-6 * particles / reference,
-                                 reference / ours});
-    if (body.hourglass) tables.growth[body.gradient == Gradient::quadratic].push_back({particles, ours});
+                                 100.0 * bytes / ours / settings.bandwidth, 1e-6 * particles / arrays,
+                                 arrays / ours, 1e-6 * particles / eigen, eigen / ours});
     if (!body.hourglass) continue;
+    tables.growth[body.gradient == Gradient::quadratic].push_back({particles, ours});
     const double build = all[k]->build_seconds;
     tables.building.rows.push_back({std::string(gradient_name(body.gradient)), particles, links, build,
                                     1e6 * build / particles,
@@ -149,20 +151,24 @@ std::size_t bytes_per_step(const Solver& solver) {
 
 std::vector<BenchTable> bench_steps(const BenchSettings& settings) {
   Tables tables;
-  tables.steps = {"steps",
-                  "Whole steps on one thread, and the reference loop's beside them",
-                  {{"kind", "", 0},
-                   {"particles", "particles", 0},
-                   {"links_per_particle", "links\neach", 1},
-                   {"step_microseconds", "us\nper step", 1},
-                   {"million_particle_steps_per_second", "million\nparticle-steps/s", 2},
-                   {"million_links_per_second", "million\nlinks/s", 0},
-                   {"bytes_per_particle_step", "bytes\nper particle", 0},
-                   {"bandwidth_percent", "% of\nbandwidth", 0},
-                   {"reference_million_particle_steps_per_second", "reference\nmillion/s", 2},
-                   {"ratio", "times\nreference", 2}},
-                  {},
-                  {}};
+  tables.steps = {
+      "steps",
+      "Whole steps on one thread, in million particle-steps/s; beside them the same physics by a plain "
+      "loop over arrays, and by one written with Eigen",
+      {{"kind", "", 0},
+       {"particles", "particles", 0},
+       {"links_per_particle", "links\neach", 1},
+       {"step_microseconds", "us\nper step", 1},
+       {"million_particle_steps_per_second", "million\nper s", 2},
+       {"million_links_per_second", "million\nlinks/s", 0},
+       {"bytes_per_particle_step", "bytes\neach", 0},
+       {"bandwidth_percent", "% of\nbandwidth", 0},
+       {"plain_loop_million_particle_steps_per_second", "plain\nloop", 2},
+       {"times_plain_loop", "times\nthat", 2},
+       {"eigen_loop_million_particle_steps_per_second", "Eigen\nloop", 2},
+       {"times_eigen_loop", "times\nthat", 2}},
+      {},
+      {}};
   tables.building = {"building",
                      fmt::format("Building, from a mesh and a number of particles, on {} thread{}",
                                  settings.threads, settings.threads == 1 ? "" : "s"),

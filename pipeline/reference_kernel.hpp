@@ -39,8 +39,9 @@ struct ReferenceKernel {
   void (*integrate)(const ReferenceArrays& body, double dt);
 };
 
-/// As any x86-64 runs it; and for processors with AVX2 and fused multiply-add alone.
+/// As any x86-64 runs it; for processors with AVX2 and fused multiply-add alone; and written with Eigen.
 extern const ReferenceKernel reference_kernel_portable;
 extern const ReferenceKernel reference_kernel_avx2;
+extern const ReferenceKernel reference_kernel_eigen;
 
 }  // namespace deforma

@@ -12,10 +12,10 @@ namespace deforma {
 
 namespace {
 
-const ReferenceKernel& kernel_for(ReferenceLoop::Machine machine) {
+const ReferenceKernel& kernel_for(ReferenceLoop::Code code) {
+  if (code == ReferenceLoop::Code::eigen) return reference_kernel_eigen;
 #ifdef __x86_64__
-  if (machine == ReferenceLoop::Machine::best && __builtin_cpu_supports("avx2") &&
-      __builtin_cpu_supports("fma"))
+  if (code == ReferenceLoop::Code::best && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
     return reference_kernel_avx2;
 #endif
   return reference_kernel_portable;
@@ -30,14 +30,13 @@ std::vector<double> flat(std::span<const Vec3> vectors) {
 
 }  // namespace
 
-ReferenceLoop::ReferenceLoop(const State& state, const ReferenceMaterial& material, Machine machine)
+ReferenceLoop::ReferenceLoop(const State& state, const ReferenceMaterial& material)
     : start_(state.links.start),
       rest_(flat(state.particles.rest)),
       mass_(state.particles.mass),
       weight_(state.fit.weight),
       u_(flat(state.particles.displacement)),
-      v_(flat(state.particles.velocity)),
-      kernel_(&kernel_for(machine)) {
+      v_(flat(state.particles.velocity)) {
   link(state, material);
   const std::size_t n = state.size();
   gradient_.resize(9 * n);
@@ -100,20 +99,21 @@ void ReferenceLoop::link(const State& state, const ReferenceMaterial& material) 
   }
 }
 
-void ReferenceLoop::find_force(std::span<const Vec3> displacement, std::span<Vec3> force) {
+void ReferenceLoop::find_force(std::span<const Vec3> displacement, std::span<Vec3> force, Code code) {
   if (displacement.size() != mass_.size() || force.size() != mass_.size())
     throw std::invalid_argument(fmt::format("{} particles but {} displacements and {} forces", mass_.size(),
                                             displacement.size(), force.size()));
   u_ = flat(displacement);
   arrays_.u = u_.data();
-  kernel_->find_force(arrays_);
+  kernel_for(code).find_force(arrays_);
   for (std::size_t i = 0; i < force.size(); ++i) force[i] = Vec3(&force_[3 * i]);
 }
 
-void ReferenceLoop::advance(int steps, double dt) {
+void ReferenceLoop::advance(int steps, double dt, Code code) {
+  const ReferenceKernel& kernel = kernel_for(code);
   for (int step = 0; step < steps; ++step) {
-    kernel_->find_force(arrays_);
-    kernel_->integrate(arrays_, dt);
+    kernel.find_force(arrays_);
+    kernel.integrate(arrays_, dt);
   }
 }
 

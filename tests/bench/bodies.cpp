@@ -39,7 +39,7 @@ BenchBodies::Made& BenchBodies::get(BenchKind kind, int particles) {
 double BenchBodies::bandwidth() {
   if (!bandwidth_) {
     tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
-    bandwidth_ = measure_bandwidth();
+    bandwidth_ = measure_bandwidth(Turns::Clock::thread);
   }
   return *bandwidth_;
 }

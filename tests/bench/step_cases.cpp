@@ -7,7 +7,7 @@
 #include "pipeline/reference_loop.hpp"
 #include "tests/bench/bodies.hpp"
 
-// Steps and their stages, on one thread.
+// Steps and their stages, on one thread and in its processor time.
 namespace deforma {
 
 namespace {
@@ -53,12 +53,13 @@ void measure_force(benchmark::State& iterations, BenchBodies& bodies, BenchKind 
       static_cast<double>(force.size() * iterations.iterations()), benchmark::Counter::kIsRate);
 }
 
+template <ReferenceLoop::Code code>
 void measure_reference(benchmark::State& iterations, BenchBodies& bodies, BenchKind kind, int particles) {
   Solver& solver = bodies.get(kind, particles).solver();
   ReferenceLoop reference(solver.state(),
                           {bench_young, bench_poisson, kind == BenchKind::quadratic ? 10.0 : 1.0});
   const double dt = solver.stable_step();
-  for (auto _ : iterations) reference.advance(1, dt);
+  for (auto _ : iterations) reference.advance(1, dt, code);
   count(iterations, solver.state(), static_cast<double>(reference.bytes_per_step()), bodies.bandwidth());
 }
 
@@ -69,13 +70,13 @@ void add_step_cases(BenchBodies& bodies, BenchKind kind, int particles) {
     benchmark::RegisterBenchmark(
         case_name(stage, kind, particles).c_str(),
         [=, &bodies](benchmark::State& iterations) { measure(iterations, bodies, kind, particles); })
-        ->Unit(benchmark::kMicrosecond)
-        ->UseRealTime();
+        ->Unit(benchmark::kMicrosecond);
   };
   add("step", measure_step);
   if (kind != BenchKind::pair) {
     add("static_force", measure_force);
-    add("reference_step", measure_reference);
+    add("plain_loop", measure_reference<ReferenceLoop::Code::best>);
+    add("eigen_loop", measure_reference<ReferenceLoop::Code::eigen>);
   }
 }
 
