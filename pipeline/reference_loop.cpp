@@ -89,7 +89,7 @@ void ReferenceLoop::link(const State& state, const ReferenceMaterial& material) 
     const Range row = state.links.row(i);
     for (Index l = row.begin; l < row.end; ++l) {
       const Link& link = state.links.links[l];
-      const Vec3 g = state.fit.quadratic() ? state.fit.pairs[l].there
+      const Vec3 g = state.fit.quadratic() ? Vec3(gradient_vector(state.fit.there[l]))
                                            : Vec3(link.weight * (inverse * offset(i, link)));  // eq 7
       j_.push_back(link.j);
       g_.insert(g_.end(), g.begin(), g.end());

@@ -144,18 +144,6 @@ void parallel_for(std::size_t begin, std::size_t end, const Body& body) {
   });
 }
 
-template <typename Range, typename Value, typename Body, typename Join>
-Value parallel_reduce(const Range& range, const Value& none, const Body& body, const Join& join) {
-  std::mutex mutex;
-  Value result = none;
-  parallel_for(range, [&](const Range& block) {
-    Value part = body(block, none);
-    std::lock_guard lock(mutex);
-    result = join(result, part);
-  });
-  return result;
-}
-
 class global_control {
  public:
   enum parameter { max_allowed_parallelism };

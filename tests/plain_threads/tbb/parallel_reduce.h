@@ -1,1 +1,0 @@
-#include <tbb/plain_threads.h>
