@@ -114,8 +114,7 @@ double memory_per_particle(const SolverSpec& spec) {
   // The k nearest of evenly spread points are on average 3/4 as far away as the k-th: so many fill the support.
   const double links = settings.neighbors * std::pow(0.75 * settings.support, 3);
   const bool quadratic = gradient_from_name(spec.gradient) == Gradient::quadratic;
-  const auto per_link =
-      static_cast<double>(sizeof(Link) + (quadratic ? 2 * sizeof(GradientLink) : 0));
+  const auto per_link = static_cast<double>(sizeof(Link) + (quadratic ? 2 * sizeof(GradientLink) : 0));
   constexpr double without_links = 700.0;
   return without_links + links * per_link;
 }

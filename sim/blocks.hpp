@@ -13,7 +13,7 @@ namespace deforma {
 /// A run of particles of one body that is worked on at once: so few that what one stage leaves for the next is still
 /// in the cache, so many that threads have enough to do.
 struct Block {
-  static constexpr Index most = 256;
+  static constexpr Index most = 128;
 
   Index body = 0;
   Range particles;

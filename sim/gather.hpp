@@ -38,13 +38,27 @@ struct Rows {
 /// neighbours and writes only what is its own, so that rows run in any order with one result. Sums run over the even
 /// links and the odd ones apart, to be added at the end: two chains of additions are under way at once.
 ///
-/// Vectors of three are three doubles; row k of what is written belongs to particle begin + k.
+/// Vectors of three are three doubles and matrices nine, by columns; entry k of what is written belongs to particle
+/// begin + k.
 struct Gather {
-  /// sums[k] = sum_j u_ij (W X_ij)^T: three rows of four doubles, the fourth of each without meaning (eq 8).
-  void (*linear_gradient)(const Rows<Link>& rows, const Place* places, const double* field, double* sums);
+  /// gradients[k] = (sum_j u_ij (W X_ij)^T) inverses[i] (eqs 7, 8).
+  void (*linear_gradient)(const Rows<Link>& rows, const Place* places, const double* inverses,
+                          const double* field, double* gradients);
 
-  /// sums[k] = sum_j u_ij g_ij^T, as above.
-  void (*quadratic_gradient)(const Rows<GradientLink>& rows, const double* field, double* sums);
+  /// gradients[k] = sum_j u_ij g_ij^T.
+  void (*quadratic_gradient)(const Rows<GradientLink>& rows, const double* field, double* gradients);
+
+  /// Makes carriers[k] for `linear_force`, of as many particles as are given: B = w P inverse^T - s grad u.
+  struct Stressed {
+    const Place* places;      // X
+    const double* field;      // u
+    const double* weights;    // w
+    const double* inverses;   // of the moment matrices
+    const double* stresses;   // P
+    const double* gradients;  // grad u; not looked at without stiffness
+    const double* stiffness;  // s, or null
+  };
+  void (*linear_carry)(const Stressed& from, std::size_t count, Carrier* carriers);
 
   /// Adds sum_j (B_i + B_j) W X_ij + (s_i + s_j) W u_ij to force[k] (eq 17 and its reaction). A carrier holds X and s
   /// in its head and in each line a row of B and that component of u.

@@ -28,6 +28,27 @@ DEFORMA_INLINE void store(double* to, const Three& sum) {
   store(to + 4, sum.y);
   store(to + 8, sum.z);
 }
+DEFORMA_INLINE Four load_three(const double* from) { return Four{from[0], from[1], from[2], 0.0}; }
+DEFORMA_INLINE void store_three(double* to, Four x) {
+  to[0] = x[0];
+  to[1] = x[1];
+  to[2] = x[2];
+}
+/// Turns four rows into four columns.
+DEFORMA_INLINE void transpose(Four& a, Four& b, Four& c, Four& d) {
+  const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+             ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7),
+             cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6),
+             cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+}
+DEFORMA_INLINE void turn_into_columns(Three& rows) {
+  Four none{};
+  transpose(rows.x, rows.y, rows.z, none);
+}
 DEFORMA_INLINE double total(Four x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
 /// Calls visit(link, sum) for every link of a row.
@@ -45,34 +66,66 @@ DEFORMA_INLINE Three over_row(const Rows<RowLink>& rows, std::size_t i, const Vi
   return even;
 }
 
-void linear_gradient(const Rows<Link>& rows, const Place* places, const double* field, double* sums) {
-  for (std::size_t i = rows.begin; i != rows.end; ++i, sums += 12) {
+void linear_gradient(const Rows<Link>& rows, const Place* places, const double* inverses, const double* field,
+                     double* gradients) {
+  for (std::size_t i = rows.begin; i != rows.end; ++i, gradients += 9) {
     const Four X = load(places[i].X);
     const Four ux = all(field[3 * i]), uy = all(field[3 * i + 1]), uz = all(field[3 * i + 2]);
-    store(sums, over_row(
-                    rows, i, [&](const Link& link, Three& sum) __attribute__((always_inline)) {
-                      const std::size_t j = link.j;
-                      const Four WX = (load(places[j].X) - X) * all(link.weight);
-                      const double* const u = field + 3 * j;
-                      sum.x += (all(u[0]) - ux) * WX;  // eq 8
-                      sum.y += (all(u[1]) - uy) * WX;
-                      sum.z += (all(u[2]) - uz) * WX;
-                    }));
+    Three sum = over_row(
+        rows, i, [&](const Link& link, Three& row) __attribute__((always_inline)) {
+          const std::size_t j = link.j;
+          const Four WX = (load(places[j].X) - X) * all(link.weight);
+          const double* const u = field + 3 * j;
+          row.x += (all(u[0]) - ux) * WX;  // eq 8
+          row.y += (all(u[1]) - uy) * WX;
+          row.z += (all(u[2]) - uz) * WX;
+        });
+    turn_into_columns(sum);
+    const double* const inverse = inverses + 9 * i;
+    for (int c = 0; c < 3; ++c)  // eq 7
+      store_three(gradients + 3 * c, (sum.x * all(inverse[3 * c]) + sum.y * all(inverse[3 * c + 1])) +
+                                         sum.z * all(inverse[3 * c + 2]));
   }
 }
 
-void quadratic_gradient(const Rows<GradientLink>& rows, const double* field, double* sums) {
-  for (std::size_t i = rows.begin; i != rows.end; ++i, sums += 12) {
+void quadratic_gradient(const Rows<GradientLink>& rows, const double* field, double* gradients) {
+  for (std::size_t i = rows.begin; i != rows.end; ++i, gradients += 9) {
     const Four ux = all(field[3 * i]), uy = all(field[3 * i + 1]), uz = all(field[3 * i + 2]);
-    store(sums, over_row(
-                    rows, i, [&](const GradientLink& link, Three& sum) __attribute__((always_inline)) {
-                      const Four g =
-                          *reinterpret_cast<const UnalignedFour*>(link.g);  // the fourth is not used
-                      const double* const u = field + 3 * std::size_t{link.link.j};
-                      sum.x += (all(u[0]) - ux) * g;
-                      sum.y += (all(u[1]) - uy) * g;
-                      sum.z += (all(u[2]) - uz) * g;
-                    }));
+    Three sum = over_row(
+        rows, i, [&](const GradientLink& link, Three& row) __attribute__((always_inline)) {
+          const Four g = *reinterpret_cast<const UnalignedFour*>(link.g);  // the fourth is not used
+          const double* const u = field + 3 * std::size_t{link.link.j};
+          row.x += (all(u[0]) - ux) * g;
+          row.y += (all(u[1]) - uy) * g;
+          row.z += (all(u[2]) - uz) * g;
+        });
+    turn_into_columns(sum);
+    store_three(gradients, sum.x);
+    store_three(gradients + 3, sum.y);
+    store_three(gradients + 6, sum.z);
+  }
+}
+
+void linear_carry(const Gather::Stressed& from, std::size_t count, Carrier* carriers) {
+  for (std::size_t k = 0; k != count; ++k) {
+    const double* const inverse = from.inverses + 9 * k;
+    const double* const P = from.stresses + 9 * k;
+    const Four w = all(from.weights[k]);
+    const Four px = load_three(P) * w, py = load_three(P + 3) * w, pz = load_three(P + 6) * w;
+    Four columns[3];
+    for (int c = 0; c < 3; ++c)  // P inverse^T
+      columns[c] = (px * all(inverse[c]) + py * all(inverse[3 + c])) + pz * all(inverse[6 + c]);
+    Four head = load(from.places[k].X);
+    if (from.stiffness) {
+      const Four s = all(from.stiffness[k]);
+      for (int c = 0; c < 3; ++c) columns[c] -= s * load_three(from.gradients + 9 * k + 3 * c);
+      head[3] = from.stiffness[k];
+    }
+    Carrier& carrier = carriers[k];
+    store(carrier.head, head);
+    Four u = load_three(from.field + 3 * k);
+    transpose(columns[0], columns[1], columns[2], u);  // three rows, each with its component of u
+    for (int r = 0; r < 3; ++r) store(carrier.line[r], columns[r]);
   }
 }
 
@@ -150,8 +203,8 @@ void quadratic_force(const Rows<GradientLink>& rows, const Carrier* carriers, do
   }
 }
 
-constexpr Gather gather = {linear_gradient, quadratic_gradient, linear_force, quadratic_residual,
-                           quadratic_force};
+constexpr Gather gather = {linear_gradient, quadratic_gradient, linear_carry,
+                           linear_force,    quadratic_residual, quadratic_force};
 
 }  // namespace
 }  // namespace deforma

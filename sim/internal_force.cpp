@@ -48,32 +48,33 @@ void InternalForce::carry(const State& state, Range particles, std::span<const V
         fmt::format("{} of {} particles, but {} displacements, {} deformation gradients, {} stresses and {} "
                     "pair stiffnesses",
                     count, carriers_.size(), displacement.size(), F.size(), P.size(), pair_stiffness.size()));
-  for (Index i = particles.begin; i < particles.end; ++i) {
-    const Index k = i - particles.begin;
-    const Vec3& u = displacement[i];
-    const Vec3& X = state.particles.rest[i];
-    const double s = hourglass ? pair_stiffness[k] : 0.0;
-    Mat3 B;
-    if (quadratic)
-      B = fit.weight[i] * P[k];
-    else
-      B.noalias() = fit.weight[i] * P[k] * fit.inverse[i].transpose();
-    if (hourglass) {
-      Mat3 gradient = F[k];
-      if (fit.rank[i] == 3)
-        gradient.diagonal().array() -= 1.0;
+  std::array<Mat3, Block::most> gradients;
+  for (Index begin = particles.begin; begin < particles.end; begin += Block::most) {
+    const std::size_t size = std::min<std::size_t>(Block::most, particles.end - begin);
+    const std::size_t first = begin - particles.begin;
+    for (std::size_t k = 0; k < size && hourglass; ++k) {
+      gradients[k] = F[first + k];
+      if (fit.rank[begin + k] == 3)
+        gradients[k].diagonal().array() -= 1.0;
       else
-        gradient -= fit.plane[i];
-      if (quadratic) {
-        put(residuals_[i].head, u, s);
-        for (int c = 0; c < 3; ++c) put(residuals_[i].line[c], gradient.col(c), X[c]);
-      } else {
-        B -= s * gradient;
-      }
+        gradients[k] -= fit.plane[begin + k];
     }
-    Carrier& carrier = carriers_[i];
-    put(carrier.head, X, s);
-    for (int r = 0; r < 3; ++r) put(carrier.line[r], B.row(r), u[r]);
+    if (!quadratic) {
+      state.links.gather().linear_carry(
+          {&state.links.places[begin], displacement[begin].data(), &fit.weight[begin],
+           fit.inverse[begin].data(), P[first].data(), gradients.data()->data(),
+           hourglass ? &pair_stiffness[first] : nullptr},
+          size, &carriers_[begin]);
+      continue;
+    }
+    for (std::size_t k = 0; k < size; ++k) {
+      const std::size_t i = begin + k;
+      const Mat3 B = fit.weight[i] * P[first + k];
+      for (int r = 0; r < 3; ++r) put(carriers_[i].line[r], B.row(r), 0.0);
+      if (!hourglass) continue;
+      put(residuals_[i].head, displacement[i], pair_stiffness[first + k]);
+      for (int c = 0; c < 3; ++c) put(residuals_[i].line[c], gradients[k].col(c), state.particles.rest[i][c]);
+    }
   }
 }
 

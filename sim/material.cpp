@@ -34,14 +34,6 @@ Lame lame_constants(double young, double poisson) {
   return {young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))};
 }
 
-Mat3 cofactor(const Mat3& F) {
-  Mat3 C;
-  C.col(0) = F.col(1).cross(F.col(2));
-  C.col(1) = F.col(2).cross(F.col(0));
-  C.col(2) = F.col(0).cross(F.col(1));
-  return C;
-}
-
 Mat3 nearest_rotation(const Mat3& F) {
   Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 U = svd.matrixU();
@@ -69,23 +61,46 @@ double energy_density(Material material, const Lame& lame, const Mat3& F) {
   throw std::invalid_argument("unknown material");
 }
 
-Mat3 first_piola_kirchhoff(Material material, const Lame& lame, const Mat3& F) {
-  const auto [lambda, mu] = lame;
+namespace {
+
+Mat3 neo_hookean_stress(const Lame& lame, const Mat3& F) {
+  const Mat3 C = cofactor(F);
+  const double J = F.col(0).dot(C.col(0));
+  return lame.mu * F + ((lame.lambda + lame.mu) * (J - 1.0) - lame.mu) * C;
+}
+
+Mat3 st_venant_kirchhoff_stress(const Lame& lame, const Mat3& F) {
+  const Mat3 E = 0.5 * (F.transpose() * F - Mat3::Identity());                    // eq 4
+  const Mat3 S = lame.lambda * E.trace() * Mat3::Identity() + 2.0 * lame.mu * E;  // eq 5
+  return F * S;
+}
+
+Mat3 corotated_stress(const Lame& lame, const Mat3& F) {
+  return 2.0 * lame.mu * (F - nearest_rotation(F)) + lame.lambda * (F.determinant() - 1.0) * cofactor(F);
+}
+
+}  // namespace
+
+void add_first_piola_kirchhoff(Material material, const Lame& lame, std::span<const Mat3> F,
+                               std::span<Mat3> P) {
+  const auto add = [&](const auto& stress) {
+    for (std::size_t k = 0; k < F.size(); ++k) P[k] += stress(lame, F[k]);
+  };
   switch (material) {
-    case Material::neo_hookean: {
-      Mat3 C = cofactor(F);
-      double J = F.col(0).dot(C.col(0));
-      return mu * F + ((lambda + mu) * (J - 1.0) - mu) * C;
-    }
-    case Material::st_venant_kirchhoff: {
-      Mat3 E = 0.5 * (F.transpose() * F - Mat3::Identity());          // eq 4
-      Mat3 S = lambda * E.trace() * Mat3::Identity() + 2.0 * mu * E;  // eq 5
-      return F * S;
-    }
+    case Material::neo_hookean:
+      return add([](const Lame& l, const Mat3& f) { return neo_hookean_stress(l, f); });
+    case Material::st_venant_kirchhoff:
+      return add([](const Lame& l, const Mat3& f) { return st_venant_kirchhoff_stress(l, f); });
     case Material::corotated:
-      return 2.0 * mu * (F - nearest_rotation(F)) + lambda * (F.determinant() - 1.0) * cofactor(F);
+      return add([](const Lame& l, const Mat3& f) { return corotated_stress(l, f); });
   }
   throw std::invalid_argument("unknown material");
+}
+
+Mat3 first_piola_kirchhoff(Material material, const Lame& lame, const Mat3& F) {
+  Mat3 P = Mat3::Zero();
+  add_first_piola_kirchhoff(material, lame, std::span(&F, 1), std::span(&P, 1));
+  return P;
 }
 
 double reduced_energy_density(const Lame& lame, const Mat3& F, const Mat3& Q, int rank) {

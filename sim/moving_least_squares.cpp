@@ -178,27 +178,22 @@ void deformation_gradients(const Neighborhood& links, const MovingLeastSquares& 
 
 void block_deformation_gradients(const Neighborhood& links, const MovingLeastSquares& fit,
                                  std::span<const Vec3> field, Range particles, std::span<Mat3> F) {
-  std::array<double, 12ul * Block::most> sums;
+  if (F.size() != particles.size())
+    throw std::invalid_argument(fmt::format("{} particles but {} gradients", particles.size(), F.size()));
+  if (F.empty()) return;
   const double* const u = field.data()->data();
   const Gather& gather = links.gather();
   const std::size_t begin = particles.begin, end = particles.end;
   if (fit.quadratic())
-    gather.quadratic_gradient({links.start.data(), fit.there.data(), begin, end}, u, sums.data());
+    gather.quadratic_gradient({links.start.data(), fit.there.data(), begin, end}, u, F.data()->data());
   else
-    gather.linear_gradient({links.start.data(), links.links.data(), begin, end}, links.places.data(), u,
-                           sums.data());
-  using Sum = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+    gather.linear_gradient({links.start.data(), links.links.data(), begin, end}, links.places.data(),
+                           fit.inverse.data()->data(), u, F.data()->data());
   for (std::size_t i = begin; i < end; ++i) {
-    const Mat3 sum = Eigen::Map<const Sum>(sums.data() + 12 * (i - begin)).leftCols<3>();
-    Mat3& answer = F[i - begin];
-    if (fit.quadratic())
-      answer = sum;
-    else
-      answer.noalias() = sum * fit.inverse[i];  // eq 7
     if (fit.rank[i] == 3)
-      answer.diagonal().array() += 1.0;
+      F[i - begin].diagonal().array() += 1.0;
     else
-      answer += fit.plane[i];
+      F[i - begin] += fit.plane[i];
   }
 }
 

@@ -172,10 +172,12 @@ struct Solver::Data {
     });
   }
 
-  void drift(double dt) {
+  void kick_and_drift(double kick_time, double dt) {
     fresh = false;
     parallel_for_each(state.size(), [&](std::size_t i) {
-      state.particles.displacement[i] += dt * state.particles.velocity[i];  // eq 24, with the new velocity
+      Vec3& v = state.particles.velocity[i];
+      if (!state.fixed[i]) v += kick_time / state.particles.mass[i] * force[i];  // eqs 22, 23
+      state.particles.displacement[i] += dt * v;  // eq 24, with the new velocity
     });
   }
 
@@ -183,8 +185,7 @@ struct Solver::Data {
   void advance_motion(double kick_time, double dt) {
     {
       PassTimer timer(statistics.stages[integration]);
-      kick(kick_time);
-      drift(dt);
+      kick_and_drift(kick_time, dt);
     }
     state.time += dt;
     last_step = dt;

@@ -67,9 +67,18 @@ class Elastic : public Effect {
     const Solid* solid = solids_.of(block.body);
     if (!solid) return;
     const MovingLeastSquares& fit = state.fit;
-    for (std::size_t k = 0, i = block.particles.begin; k < block.size(); ++k, ++i)
-      P[k] += fit.rank[i] == 3 ? first_piola_kirchhoff(solid->material, solid->lame, F[k])
-                               : reduced_first_piola_kirchhoff(solid->lame, F[k], fit.plane[i], fit.rank[i]);
+    const std::size_t begin = block.particles.begin;
+    for (std::size_t k = 0; k < block.size();) {
+      if (fit.rank[begin + k] < 3) {
+        P[k] += reduced_first_piola_kirchhoff(solid->lame, F[k], fit.plane[begin + k], fit.rank[begin + k]);
+        ++k;
+        continue;
+      }
+      std::size_t end = k + 1;  // of those that span space, all at once
+      while (end < block.size() && fit.rank[begin + end] == 3) ++end;
+      add_first_piola_kirchhoff(solid->material, solid->lame, F.subspan(k, end - k), P.subspan(k, end - k));
+      k = end;
+    }
   }
 
   double energy(const State& state) const override {
