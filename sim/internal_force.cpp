@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/blocks.hpp"
+#include "sim/huge_pages.hpp"
 #include "sim/memory.hpp"
 #include "sim/parallel.hpp"
 
@@ -34,7 +35,10 @@ void for_runs(std::size_t n, const Visit& visit) {
 }  // namespace
 
 InternalForce::InternalForce(const State& state, bool hourglass)
-    : carriers_(state.size()), residuals_(hourglass && state.fit.quadratic() ? state.size() : 0) {}
+    : carriers_(state.size()), residuals_(hourglass && state.fit.quadratic() ? state.size() : 0) {
+  use_huge_pages(carriers_);
+  use_huge_pages(residuals_);
+}
 
 void InternalForce::carry(const State& state, Range particles, std::span<const Vec3> displacement,
                           std::span<const Mat3> F, std::span<const Mat3> P,

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/energy_watch.hpp"
+#include "sim/huge_pages.hpp"
 #include "sim/memory.hpp"
 #include "sim/motion.hpp"
 #include "sim/parallel.hpp"
@@ -32,6 +33,17 @@ void check(const SolverSettings& settings) {
   if (!(settings.max_step >= 0.0) || !std::isfinite(settings.max_step))
     throw std::invalid_argument(
         fmt::format("max_step must be positive, or 0 for none, found {} s", settings.max_step));
+}
+
+// What every step reads through, much of it out of order.
+void keep_in_huge_pages(State& state) {
+  use_huge_pages(state.links.links);
+  use_huge_pages(state.links.places);
+  use_huge_pages(state.fit.there);
+  use_huge_pages(state.fit.back);
+  use_huge_pages(state.fit.inverse);
+  use_huge_pages(state.particles.displacement);
+  use_huge_pages(state.F);
 }
 
 }  // namespace
@@ -281,6 +293,7 @@ Solver::Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const 
   }
   if (d.needs & (needs_strain_rate | needs_surface | needs_pair_stiffness)) d.needs |= needs_strain;
   d.control = StepControl(d.state.bodies.size());
+  keep_in_huge_pages(d.state);
   if (d.needs & needs_strain) d.stress = StressStage(d.state, d.effects, d.needs);
   if (d.needs & (needs_strain_rate | needs_surface)) d.state.F_rate.assign(n, Mat3::Zero());
   if (d.needs & needs_surface) {
