@@ -105,7 +105,7 @@ std::vector<BodyFacts> facts_of(const State& state) {
 NeighborhoodSettings neighborhood_settings(const SolverSpec& spec) {
   const bool quadratic = gradient_from_name(spec.gradient) == Gradient::quadratic;
   return {kernel_from_name(spec.kernel), spec.neighbors.value_or(quadratic ? 30 : 18),
-          spec.support.value_or(quadratic ? 1.7 : 1.5)};
+          spec.support.value_or(quadratic ? 1.7 : 1.5), spec.portable};
 }
 
 /// About what the solver holds for each particle [bytes]; measured within a fifth of what `deforma check` tells.

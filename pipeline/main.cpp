@@ -65,6 +65,8 @@ struct CommandLine {
     command.add_option("--threads", options.threads, "How many threads simulate; all by default")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
+    command.add_flag("--portable", options.portable,
+                     "The same bits of the simulation on any x86-64 processor, a little slower");
   }
 
   void add_run() {

@@ -5,6 +5,7 @@
 
 #include "pipeline/commands.hpp"
 #include "pipeline/interrupt.hpp"
+#include "pipeline/portable_process.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/thread_count.hpp"
 
@@ -22,6 +23,7 @@ std::filesystem::path default_folder(std::string name) {
 
 int run(const RunCommand& options) {
   Scene scene = options.scene.load();
+  if (scene.solver.portable) compute_portably();
   if (options.no_video) scene.output.video = "none";
 
   RunOptions run_options;

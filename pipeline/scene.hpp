@@ -30,6 +30,7 @@ struct SolverSpec {
   std::string gradient = "quadratic";
   std::optional<int> neighbors;   ///< what suits the gradient, and no more than there are, when absent
   std::optional<double> support;  ///< what suits the gradient when absent
+  bool portable = false;          ///< the same bits on any x86-64 processor
 };
 
 /// How a surface looks; colours are sRGB in [0, 1].

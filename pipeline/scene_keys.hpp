@@ -37,6 +37,7 @@ void describe(Io& io, SolverSpec& solver) {
   io.choice("gradient", solver.gradient, gradient_names());
   io.value("neighbors", solver.neighbors, 3, 200);
   io.value("support", solver.support, Interval{0.5, 5.0, false, false});
+  io.value("portable", solver.portable);
 }
 
 template <typename Io>

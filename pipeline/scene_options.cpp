@@ -30,6 +30,7 @@ Scene SceneOptions::load() const {
     if (!width || !height) throw UserError(fmt::format("--size {}: expected WxH, such as 1280x720", size));
     overrides.push_back({"output.size", fmt::format("[{}, {}]", *width, *height), "--size " + size});
   }
+  if (portable) overrides.push_back({"solver.portable", "true", "--portable"});
   if (!view.empty()) overrides.push_back({"output.view", view, "--view " + view});
   return load_scene(find_scene(scene), overrides);
 }

@@ -285,6 +285,17 @@ TEST(Program, ThreadsDoNotChangeThePictures) {
   EXPECT_EQ(read_text_file(scratch / "1/frames/0010.png"), read_text_file(scratch / "2/frames/0010.png"));
 }
 
+TEST(Program, PortableIsAnOptionAndAKeyAndIsRemembered) {
+  Scratch scratch;
+  fs::path scene = scratch.write("scene.toml", small_scene());
+  ASSERT_EQ(deforma_program(run_line(scene, scratch / "option", "--quiet --portable")).code, 0);
+  ASSERT_EQ(deforma_program(run_line(scene, scratch / "key", "--quiet --set solver.portable=true")).code, 0);
+  EXPECT_THAT(read_text_file(scratch / "option/scene.toml"), testing::HasSubstr("portable = true"));
+  EXPECT_EQ(read_text_file(scratch / "option/scene.toml"), read_text_file(scratch / "key/scene.toml"));
+  EXPECT_EQ(read_text_file(scratch / "option/frames/0010.png"),
+            read_text_file(scratch / "key/frames/0010.png"));
+}
+
 class Interrupted : public testing::TestWithParam<int> {};
 
 TEST_P(Interrupted, LeavesAValidVideo) {
