@@ -7,6 +7,7 @@
 #include <deque>
 #include <exception>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -143,6 +144,25 @@ void parallel_for(std::size_t begin, std::size_t end, const Body& body) {
     for (std::size_t i = first; i != last; ++i) body(i);
   });
 }
+
+template <typename Iterator>
+void parallel_sort(Iterator begin, Iterator end) {
+  std::sort(begin, end);
+}
+
+/// A value for each thread that asks.
+template <typename Value>
+class enumerable_thread_specific {
+ public:
+  Value& local() {
+    std::lock_guard lock(mutex_);
+    return values_[std::this_thread::get_id()];
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::thread::id, Value> values_;
+};
 
 class global_control {
  public:
