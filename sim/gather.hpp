@@ -31,6 +31,7 @@ template <typename RowLink>
 struct Rows {
   const std::uint32_t* start;
   const RowLink* links;
+  const Ahead* ahead;  ///< of each row, or null: what to ask the memory for
   std::size_t begin, end;
 };
 

@@ -12,6 +12,12 @@ using UnalignedFour = double __attribute__((vector_size(32), aligned(8), may_ali
 
 DEFORMA_INLINE Four load(const double* from) { return *reinterpret_cast<const Four*>(from); }
 DEFORMA_INLINE Four all(double x) { return Four{x, x, x, x}; }
+/// The same, once and for all: the compiler would take what is subtracted from it before it is spread, one by one.
+DEFORMA_INLINE Four all_kept(double x) {
+  Four spread = all(x);
+  asm("" : "+m"(spread));
+  return spread;
+}
 DEFORMA_INLINE void store(double* to, Four x) { *reinterpret_cast<UnalignedFour*>(to) = x; }
 
 /// Three vectors that are summed over a row: its even and its odd links apart.
@@ -34,6 +40,40 @@ DEFORMA_INLINE void store_three(double* to, Four x) {
   to[1] = x[1];
   to[2] = x[2];
 }
+
+/// Asks the memory for what a row a little further on will need: a hint, which may name any address. The links of
+/// short rows are among it, which the processor's own foresight loses among all that is gathered beside them.
+template <typename RowLink>
+class Foresight {
+ public:
+  explicit Foresight(const Rows<RowLink>& rows) : rows_(rows) {
+    if (rows.ahead && rows.end > rows.begin && sizeof(RowLink) <= short_link)
+      lines_ =
+          (rows.start[rows.end] - rows.start[rows.begin]) * sizeof(RowLink) / (rows.end - rows.begin) / line +
+          1;
+  }
+
+  /// @param ask called with a particle that will be gathered from
+  template <typename Ask>
+  DEFORMA_INLINE void look(std::size_t i, const Ask& ask) const {
+    if (!rows_.ahead) return;
+    for (const std::uint32_t j : rows_.ahead[i].j) ask(j);
+    const auto links = reinterpret_cast<std::uintptr_t>(rows_.links + rows_.start[i]) + early;
+    for (std::size_t k = 0; k != lines_; ++k)
+      __builtin_prefetch(reinterpret_cast<const void*>(links + k * line));
+  }
+
+ private:
+  static constexpr std::size_t line = 64, early = 4096, short_link = 8;  // bytes
+
+  const Rows<RowLink>& rows_;
+  std::size_t lines_ = 0;  // of the links of a row, on the mean
+};
+DEFORMA_INLINE void ask_for(const Carrier& carrier) {
+  __builtin_prefetch(carrier.head);
+  __builtin_prefetch(carrier.line[1]);
+}
+
 /// Turns four rows into four columns.
 DEFORMA_INLINE void transpose(Four& a, Four& b, Four& c, Four& d) {
   const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6),
@@ -68,9 +108,15 @@ DEFORMA_INLINE Three over_row(const Rows<RowLink>& rows, std::size_t i, const Vi
 
 void linear_gradient(const Rows<Link>& rows, const Place* places, const double* inverses, const double* field,
                      double* gradients) {
+  const Foresight<Link> foresight(rows);
   for (std::size_t i = rows.begin; i != rows.end; ++i, gradients += 9) {
+    foresight.look(
+        i, [&](std::size_t j) __attribute__((always_inline)) {
+          __builtin_prefetch(places + j);
+          __builtin_prefetch(field + 3 * j);
+        });
     const Four X = load(places[i].X);
-    const Four ux = all(field[3 * i]), uy = all(field[3 * i + 1]), uz = all(field[3 * i + 2]);
+    const Four ux = all_kept(field[3 * i]), uy = all_kept(field[3 * i + 1]), uz = all_kept(field[3 * i + 2]);
     Three sum = over_row(
         rows, i, [&](const Link& link, Three& row) __attribute__((always_inline)) {
           const std::size_t j = link.j;
@@ -89,8 +135,11 @@ void linear_gradient(const Rows<Link>& rows, const Place* places, const double* 
 }
 
 void quadratic_gradient(const Rows<GradientLink>& rows, const double* field, double* gradients) {
+  const Foresight<GradientLink> foresight(rows);
   for (std::size_t i = rows.begin; i != rows.end; ++i, gradients += 9) {
-    const Four ux = all(field[3 * i]), uy = all(field[3 * i + 1]), uz = all(field[3 * i + 2]);
+    foresight.look(
+        i, [&](std::size_t j) __attribute__((always_inline)) { __builtin_prefetch(field + 3 * j); });
+    const Four ux = all_kept(field[3 * i]), uy = all_kept(field[3 * i + 1]), uz = all_kept(field[3 * i + 2]);
     Three sum = over_row(
         rows, i, [&](const GradientLink& link, Three& row) __attribute__((always_inline)) {
           const Four g = *reinterpret_cast<const UnalignedFour*>(link.g);  // the fourth is not used
@@ -131,7 +180,10 @@ void linear_carry(const Gather::Stressed& from, std::size_t count, Carrier* carr
 
 void linear_force(const Rows<Link>& rows, const Carrier* carriers, double* force) {
   const Four turn = {1.0, 1.0, 1.0, -1.0};
+  const Foresight<Link> foresight(rows);
   for (std::size_t i = rows.begin; i != rows.end; ++i, force += 3) {
+    foresight.look(
+        i, [&](std::size_t j) __attribute__((always_inline)) { ask_for(carriers[j]); });
     const Carrier& own = carriers[i];
     // With the fourth turned, one difference gives X_ij and s_i + s_j, one sum B_i + B_j and u_ij: so the pair's two
     // forces are exactly opposite.
@@ -153,7 +205,10 @@ void linear_force(const Rows<Link>& rows, const Carrier* carriers, double* force
 
 void quadratic_residual(const Rows<Link>& rows, const Carrier* carriers, double* force, double* moments) {
   const Four turn = {1.0, 1.0, 1.0, -1.0}, half = all(0.5);
+  const Foresight<Link> foresight(rows);
   for (std::size_t i = rows.begin; i != rows.end; ++i, force += 3, moments += 12) {
+    foresight.look(
+        i, [&](std::size_t j) __attribute__((always_inline)) { ask_for(carriers[j]); });
     const Carrier& own = carriers[i];
     const Four head = load(own.head) * turn;
     const Four gx = load(own.line[0]), gy = load(own.line[1]), gz = load(own.line[2]);
@@ -188,7 +243,10 @@ void quadratic_residual(const Rows<Link>& rows, const Carrier* carriers, double*
 }
 
 void quadratic_force(const Rows<GradientLink>& rows, const Carrier* carriers, double* force) {
+  const Foresight<GradientLink> foresight(rows);
   for (std::size_t i = rows.begin; i != rows.end; ++i, force += 3) {
+    foresight.look(
+        i, [&](std::size_t j) __attribute__((always_inline)) { ask_for(carriers[j]); });
     const Three sum = over_row(
         rows, i, [&](const GradientLink& link, Three& row) __attribute__((always_inline)) {
           const Carrier& other = carriers[link.link.j];

@@ -85,9 +85,8 @@ void InternalForce::carry(const State& state, Range particles, std::span<const V
 void InternalForce::carry_residuals(const State& state, std::span<Vec3> force) {
   for_runs(state.size(), [&](Range particles) {
     std::array<double, 12ul * Block::most> moments;
-    state.links.gather().quadratic_residual(
-        {state.links.start.data(), state.links.links.data(), particles.begin, particles.end},
-        residuals_.data(), force[particles.begin].data(), moments.data());
+    state.links.gather().quadratic_residual(state.links.rows(state.links.links, particles), residuals_.data(),
+                                            force[particles.begin].data(), moments.data());
     for (Index i = particles.begin; i < particles.end; ++i)
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c)
@@ -106,16 +105,13 @@ void InternalForce::add_to(std::span<Vec3> force, const State& state) {
   for_runs(n, [&](Range particles) {
     double* const own = force[particles.begin].data();
     if (!fit.quadratic()) {
-      gather.linear_force(
-          {state.links.start.data(), state.links.links.data(), particles.begin, particles.end},
-          carriers_.data(), own);
+      gather.linear_force(state.links.rows(state.links.links, particles), carriers_.data(), own);
       return;
     }
     for (Index i = particles.begin; i < particles.end; ++i)
       for (int r = 0; r < 3; ++r)
         force[i][r] += Eigen::Map<const Vec3>(carriers_[i].line[r]).dot(fit.sums[i]);
-    gather.quadratic_force({state.links.start.data(), fit.back.data(), particles.begin, particles.end},
-                           carriers_.data(), own);
+    gather.quadratic_force(state.links.rows(fit.back, particles), carriers_.data(), own);
   });
 }
 

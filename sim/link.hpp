@@ -19,6 +19,11 @@ struct GradientLink {
 };
 static_assert(sizeof(Link) == 8 && sizeof(GradientLink) == 32);
 
+/// Some particles that rows a little further on will gather from, and none just above has.
+struct Ahead {
+  std::uint32_t j[4];
+};
+
 /// A particle's rest position X [m], padded to a vector register.
 struct alignas(32) Place {
   double X[4];

@@ -183,17 +183,16 @@ void block_deformation_gradients(const Neighborhood& links, const MovingLeastSqu
   if (F.empty()) return;
   const double* const u = field.data()->data();
   const Gather& gather = links.gather();
-  const std::size_t begin = particles.begin, end = particles.end;
   if (fit.quadratic())
-    gather.quadratic_gradient({links.start.data(), fit.there.data(), begin, end}, u, F.data()->data());
+    gather.quadratic_gradient(links.rows(fit.there, particles), u, F.data()->data());
   else
-    gather.linear_gradient({links.start.data(), links.links.data(), begin, end}, links.places.data(),
+    gather.linear_gradient(links.rows(links.links, particles), links.places.data(),
                            fit.inverse.data()->data(), u, F.data()->data());
-  for (std::size_t i = begin; i < end; ++i) {
+  for (std::size_t k = 0, i = particles.begin; k < F.size(); ++k, ++i) {
     if (fit.rank[i] == 3)
-      F[i - begin].diagonal().array() += 1.0;
+      F[k].diagonal().array() += 1.0;
     else
-      F[i - begin] += fit.plane[i];
+      F[k] += fit.plane[i];
   }
 }
 

@@ -221,6 +221,30 @@ struct Linking {
   }
 };
 
+// Rows come in an order in which neighbours are near, so that most of what a row gathers from was used just before. For
+// the rest the processor would have to wait: it cannot guess these places. Each row therefore names some that are wanted
+// `early` rows later and have not been for `forgotten` rows.
+std::vector<Ahead> look_ahead(const Neighborhood& links) {
+  constexpr Index early = 128, forgotten = 1024, smallest = 4096;  // of smaller bodies all stays in the cache
+  constexpr Index each = std::size(Ahead{}.j);
+  const auto n = static_cast<Index>(links.size());
+  if (n < smallest) return {};
+  std::vector<Ahead> ahead(n);
+  std::vector<Index> seen(n, 0);  // the last row that gathered from it, counted from 1
+  std::size_t named = 0;
+  for (Index i = 0; i < n; ++i) {
+    named = std::max<std::size_t>(named, each * (i - std::min(i, early)));
+    const Range row = links.row(i);
+    for (Index l = row.begin; l < row.end; ++l) {
+      const Index j = links.links[l].j;
+      if ((seen[j] == 0 || i + 1 - seen[j] > forgotten) && named < std::size_t{each} * i)
+        ahead[named / each].j[named % each] = j, ++named;
+      seen[j] = i + 1;
+    }
+  }
+  return ahead;
+}
+
 }  // namespace
 
 Neighborhood build_neighborhood(const Particles& particles, std::span<const Body> bodies,
@@ -248,6 +272,7 @@ Neighborhood build_neighborhood(const Particles& particles, std::span<const Body
               [&](Range part, CompressedRows<Link>::Block& block) { linking.find_rows(part, block); });
   }
   rows.take(n, result.start, result.links);
+  result.ahead = look_ahead(result);
   return result;
 }
 

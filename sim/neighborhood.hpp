@@ -17,6 +17,7 @@ struct Neighborhood {
   std::vector<Link> links;                             ///< both directions of every pair
   std::vector<double> support;                         ///< h of every particle [m]
   std::vector<Place> places;                           ///< X of every particle
+  std::vector<Ahead> ahead;                            ///< beside each row, or empty where all fits the cache
   Instructions instructions = fastest_instructions();  ///< that sums over the links are made with
 
   std::size_t size() const { return support.size(); }
@@ -27,6 +28,12 @@ struct Neighborhood {
            (Eigen::Map<const Vec3>(places[link.j].X) - Eigen::Map<const Vec3>(places[i].X));
   }
   const Gather& gather() const { return gather_with(instructions); }
+  /// Rows of these links, or of others in the same places.
+  template <typename RowLink>
+  Rows<RowLink> rows(const std::vector<RowLink>& beside, Range particles) const {
+    return {start.data(), beside.data(), ahead.empty() ? nullptr : ahead.data(), particles.begin,
+            particles.end};
+  }
 };
 
 /// How neighbours are chosen.
