@@ -89,7 +89,7 @@ double twist_rate(const Solver& solver, double begin, double end) {
 double largest_strain(const State& state) {
   double largest = 0.0;
   for (std::size_t i = 0; i < state.size(); ++i) {
-    Mat3 strain = 0.5 * (state.F[i].transpose() * state.F[i] - state.fit.plane[i]);
+    Mat3 strain = 0.5 * (state.F[i].transpose() * state.F[i] - state.fit.projector(i));
     Eigen::SelfAdjointEigenSolver<Mat3> eigen(strain, Eigen::EigenvaluesOnly);
     largest = std::max(largest, eigen.eigenvalues().cwiseAbs().maxCoeff());
   }

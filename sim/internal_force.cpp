@@ -52,41 +52,32 @@ void InternalForce::carry(const State& state, Range particles, std::span<const V
         fmt::format("{} of {} particles, but {} displacements, {} deformation gradients, {} stresses and {} "
                     "pair stiffnesses",
                     count, carriers_.size(), displacement.size(), F.size(), P.size(), pair_stiffness.size()));
-  std::array<Mat3, Block::most> gradients;
-  for (Index begin = particles.begin; begin < particles.end; begin += Block::most) {
-    const std::size_t size = std::min<std::size_t>(Block::most, particles.end - begin);
-    const std::size_t first = begin - particles.begin;
-    for (std::size_t k = 0; k < size && hourglass; ++k) {
-      gradients[k] = F[first + k];
-      if (fit.rank[begin + k] == 3)
-        gradients[k].diagonal().array() -= 1.0;
-      else
-        gradients[k] -= fit.plane[begin + k];
-    }
-    if (!quadratic) {
-      state.links.gather().linear_carry(
-          {&state.links.places[begin], displacement[begin].data(), &fit.weight[begin],
-           fit.inverse[begin].data(), P[first].data(), gradients.data()->data(),
-           hourglass ? &pair_stiffness[first] : nullptr},
-          size, &carriers_[begin]);
-      continue;
-    }
-    for (std::size_t k = 0; k < size; ++k) {
-      const std::size_t i = begin + k;
-      const Mat3 B = fit.weight[i] * P[first + k];
-      for (int r = 0; r < 3; ++r) put(carriers_[i].line[r], B.row(r), 0.0);
-      if (!hourglass) continue;
-      put(residuals_[i].head, displacement[i], pair_stiffness[first + k]);
-      for (int c = 0; c < 3; ++c) put(residuals_[i].line[c], gradients[k].col(c), state.particles.rest[i][c]);
-    }
+  if (count == 0) return;
+  const Index begin = particles.begin;
+  if (!quadratic) {
+    state.links.loops().linear_carry(
+        {&state.links.places[begin], displacement[begin].data(), &fit.weight[begin],
+         fit.inverse[begin].data(), P.data()->data(), F.data()->data(),
+         fit.projectors.empty() ? nullptr : fit.projectors[begin].data(),
+         hourglass ? pair_stiffness.data() : nullptr},
+        count, &carriers_[begin]);
+    return;
+  }
+  for (std::size_t k = 0, i = begin; k < count; ++k, ++i) {
+    const Mat3 B = fit.weight[i] * P[k];
+    for (int r = 0; r < 3; ++r) put(carriers_[i].line[r], B.row(r), 0.0);
+    if (!hourglass) continue;
+    const Mat3 gradient = F[k] - fit.projector(i);
+    put(residuals_[i].head, displacement[i], pair_stiffness[k]);
+    for (int c = 0; c < 3; ++c) put(residuals_[i].line[c], gradient.col(c), state.particles.rest[i][c]);
   }
 }
 
 void InternalForce::carry_residuals(const State& state, std::span<Vec3> force) {
   for_runs(state.size(), [&](Range particles) {
     std::array<double, 12ul * Block::most> moments;
-    state.links.gather().quadratic_residual(state.links.rows(state.links.links, particles), residuals_.data(),
-                                            force[particles.begin].data(), moments.data());
+    state.links.loops().quadratic_residual(state.links.rows(state.links.links, particles), residuals_.data(),
+                                           force[particles.begin].data(), moments.data());
     for (Index i = particles.begin; i < particles.end; ++i)
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c)
@@ -100,18 +91,18 @@ void InternalForce::add_to(std::span<Vec3> force, const State& state) {
     throw std::invalid_argument(
         fmt::format("stress of {} particles, but {} particles and {} forces", n, state.size(), force.size()));
   if (!residuals_.empty()) carry_residuals(state, force);
-  const Gather& gather = state.links.gather();
+  const InnerLoops& loops = state.links.loops();
   const MovingLeastSquares& fit = state.fit;
   for_runs(n, [&](Range particles) {
     double* const own = force[particles.begin].data();
     if (!fit.quadratic()) {
-      gather.linear_force(state.links.rows(state.links.links, particles), carriers_.data(), own);
+      loops.linear_force(state.links.rows(state.links.links, particles), carriers_.data(), own);
       return;
     }
     for (Index i = particles.begin; i < particles.end; ++i)
       for (int r = 0; r < 3; ++r)
         force[i][r] += Eigen::Map<const Vec3>(carriers_[i].line[r]).dot(fit.sums[i]);
-    gather.quadratic_force(state.links.rows(fit.back, particles), carriers_.data(), own);
+    loops.quadratic_force(state.links.rows(fit.back, particles), carriers_.data(), own);
   });
 }
 

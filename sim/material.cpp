@@ -82,13 +82,14 @@ Mat3 corotated_stress(const Lame& lame, const Mat3& F) {
 }  // namespace
 
 void add_first_piola_kirchhoff(Material material, const Lame& lame, std::span<const Mat3> F,
-                               std::span<Mat3> P) {
+                               std::span<Mat3> P, const InnerLoops& loops) {
+  if (F.empty()) return;
   const auto add = [&](const auto& stress) {
     for (std::size_t k = 0; k < F.size(); ++k) P[k] += stress(lame, F[k]);
   };
   switch (material) {
     case Material::neo_hookean:
-      return add([](const Lame& l, const Mat3& f) { return neo_hookean_stress(l, f); });
+      return loops.neo_hookean(lame.lambda, lame.mu, F.data()->data(), F.size(), P.data()->data());
     case Material::st_venant_kirchhoff:
       return add([](const Lame& l, const Mat3& f) { return st_venant_kirchhoff_stress(l, f); });
     case Material::corotated:
@@ -98,9 +99,15 @@ void add_first_piola_kirchhoff(Material material, const Lame& lame, std::span<co
 }
 
 Mat3 first_piola_kirchhoff(Material material, const Lame& lame, const Mat3& F) {
-  Mat3 P = Mat3::Zero();
-  add_first_piola_kirchhoff(material, lame, std::span(&F, 1), std::span(&P, 1));
-  return P;
+  switch (material) {
+    case Material::neo_hookean:
+      return neo_hookean_stress(lame, F);
+    case Material::st_venant_kirchhoff:
+      return st_venant_kirchhoff_stress(lame, F);
+    case Material::corotated:
+      return corotated_stress(lame, F);
+  }
+  throw std::invalid_argument("unknown material");
 }
 
 double reduced_energy_density(const Lame& lame, const Mat3& F, const Mat3& Q, int rank) {

@@ -3,6 +3,7 @@
 #include <span>
 #include <string_view>
 
+#include "sim/inner_loops.hpp"
 #include "sim/types.hpp"
 
 namespace deforma {
@@ -40,7 +41,7 @@ Mat3 first_piola_kirchhoff(Material material, const Lame& lame, const Mat3& F);
 
 /// The same of many deformation gradients, added to P. Both of one length.
 void add_first_piola_kirchhoff(Material material, const Lame& lame, std::span<const Mat3> F,
-                               std::span<Mat3> P);
+                               std::span<Mat3> P, const InnerLoops& loops);
 
 /// The same for a neighbourhood that spans only a plane (rank 2: plane stress) or a line (rank 1: axial
 /// stress), with Q the projector onto it and F = F Q: St.Venant-Kirchhoff in E_G = (F^T F - Q)/2. Zero for

@@ -6,7 +6,7 @@ std::size_t strain_bytes(const State& state) {
   const Neighborhood& links = state.links;
   const MovingLeastSquares& fit = state.fit;
   return bytes_of(links.links) + bytes_of(links.start) + bytes_of(links.support) + bytes_of(links.places) +
-         bytes_of(links.ahead) + bytes_of(fit.inverse) + bytes_of(fit.plane) + bytes_of(fit.rank) +
+         bytes_of(links.ahead) + bytes_of(fit.inverse) + bytes_of(fit.projectors) + bytes_of(fit.rank) +
          bytes_of(fit.trace) + bytes_of(fit.weight) + bytes_of(fit.there) + bytes_of(fit.back) +
          bytes_of(fit.sums) + bytes_of(state.F) + bytes_of(state.F_rate);
 }

@@ -23,7 +23,7 @@ constexpr double least_weight = 0.3;         // of a particle's own cell: a nega
 
 struct Moment {
   Mat3 inverse = Mat3::Zero();
-  Mat3 plane = Mat3::Zero();
+  Mat3 projector = Mat3::Zero();
   std::uint8_t rank = 0;
 };
 
@@ -38,7 +38,7 @@ Moment invert(const Mat3& A) {
   moment.rank = static_cast<std::uint8_t>(rank);
   if (rank == 3) {
     moment.inverse = A.inverse();
-    moment.plane.setIdentity();
+    moment.projector.setIdentity();
     return moment;
   }
   Mat3 V = eigen.eigenvectors();  // ascending eigenvalues
@@ -47,7 +47,7 @@ Moment invert(const Mat3& A) {
   // What is not spanned is filled up so that the rest can be inverted, then taken out again.
   const Mat3 filled = Q * A * Q + largest * (Mat3::Identity() - Q);
   moment.inverse = Q * filled.inverse() * Q;
-  moment.plane = Q;
+  moment.projector = Q;
   return moment;
 }
 
@@ -139,7 +139,7 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
   MovingLeastSquares fit;
   fit.inverse.resize(n);
   fit.rank.resize(n);
-  fit.plane.resize(n);
+  fit.projectors.resize(n);
   fit.trace.resize(n);
   parallel_for_each(n, [&](std::size_t i) {
     Mat3 A = Mat3::Zero();
@@ -151,9 +151,10 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
     Moment moment = invert(A);
     fit.inverse[i] = moment.inverse;
     fit.rank[i] = moment.rank;
-    fit.plane[i] = moment.plane;
+    fit.projectors[i] = moment.projector;
     fit.trace[i] = A.trace();
   });
+  if (fit.count_below(3) == 0) fit.projectors = {};
   fit.weight = particles.volume;
   if (gradient == Gradient::quadratic) fit_quadratic(particles, links, complete, fit);
   return fit;
@@ -182,18 +183,13 @@ void block_deformation_gradients(const Neighborhood& links, const MovingLeastSqu
     throw std::invalid_argument(fmt::format("{} particles but {} gradients", particles.size(), F.size()));
   if (F.empty()) return;
   const double* const u = field.data()->data();
-  const Gather& gather = links.gather();
+  const double* const Q = fit.projectors.empty() ? nullptr : fit.projectors.data()->data();
+  const InnerLoops& loops = links.loops();
   if (fit.quadratic())
-    gather.quadratic_gradient(links.rows(fit.there, particles), u, F.data()->data());
+    loops.quadratic_gradient(links.rows(fit.there, particles), u, Q, F.data()->data());
   else
-    gather.linear_gradient(links.rows(links.links, particles), links.places.data(),
-                           fit.inverse.data()->data(), u, F.data()->data());
-  for (std::size_t k = 0, i = particles.begin; k < F.size(); ++k, ++i) {
-    if (fit.rank[i] == 3)
-      F[k].diagonal().array() += 1.0;
-    else
-      F[k] += fit.plane[i];
-  }
+    loops.linear_gradient(links.rows(links.links, particles), links.places.data(), fit.inverse.data()->data(),
+                          u, Q, F.data()->data());
 }
 
 }  // namespace deforma

@@ -32,12 +32,12 @@ struct Consistency {
 /// The constant part of the least-squares gradient (eqs 6-8): grad u_i = (sum_j u_ij (W X_ij)^T) inverse_i,
 /// or, with the quadratic fit, grad u_i = sum_j u_ij g_ij^T.
 ///
-/// A neighbourhood that does not span space has rank below 3: its inverse is a pseudoinverse, and `plane` holds the
-/// projector Q onto what it spans.
+/// A neighbourhood that does not span space has rank below 3: its inverse is a pseudoinverse, and Q the projector onto
+/// what it spans.
 struct MovingLeastSquares {
   std::vector<Mat3> inverse;       ///< A^-1 per particle [m^-2]
   std::vector<std::uint8_t> rank;  ///< 0 (alone), 1 (rope), 2 (sheet), 3
-  std::vector<Mat3> plane;         ///< Q; the identity for rank 3
+  std::vector<Mat3> projectors;    ///< Q; or empty where every neighbourhood spans space
   std::vector<double> trace;       ///< tr A [m^2]
   std::vector<double> weight;      ///< of the strain energy at a particle [m^3]
   // For the quadratic fit, else empty:
@@ -48,6 +48,11 @@ struct MovingLeastSquares {
   Consistency consistency;
 
   bool quadratic() const { return !there.empty(); }
+  /// Q; the identity for rank 3.
+  const Mat3& projector(std::size_t i) const {
+    static const Mat3 identity = Mat3::Identity();
+    return projectors.empty() ? identity : projectors[i];
+  }
   std::size_t count_below(int rank_limit) const;
 };
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/gather.hpp"
+#include "sim/inner_loops.hpp"
 #include "sim/kernel.hpp"
 #include "sim/particles.hpp"
 #include "sim/types.hpp"
@@ -18,7 +18,7 @@ struct Neighborhood {
   std::vector<double> support;                         ///< h of every particle [m]
   std::vector<Place> places;                           ///< X of every particle
   std::vector<Ahead> ahead;                            ///< beside each row, or empty where all fits the cache
-  Instructions instructions = fastest_instructions();  ///< that sums over the links are made with
+  Instructions instructions = fastest_instructions();  ///< that the loops are made of
 
   std::size_t size() const { return support.size(); }
   Range row(std::size_t i) const { return {start[i], start[i + 1]}; }
@@ -27,7 +27,7 @@ struct Neighborhood {
     return static_cast<double>(link.weight) *
            (Eigen::Map<const Vec3>(places[link.j].X) - Eigen::Map<const Vec3>(places[i].X));
   }
-  const Gather& gather() const { return gather_with(instructions); }
+  const InnerLoops& loops() const { return inner_loops_of(instructions); }
   /// Rows of these links, or of others in the same places.
   template <typename RowLink>
   Rows<RowLink> rows(const std::vector<RowLink>& beside, Range particles) const {

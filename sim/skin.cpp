@@ -97,7 +97,8 @@ Vec3 skinned_point(const Skin& skin, std::size_t s, const Vec3& rest, std::span<
                    std::span<const Mat3> F, const MovingLeastSquares& fit) {
   Vec3 u = Vec3::Zero();
   for (const Skin::Tie& tie : skin.row(s))  // eqs 25, 26
-    u += tie.weight * (displacement[tie.particle] + (F[tie.particle] - fit.plane[tie.particle]) * tie.arm);
+    u +=
+        tie.weight * (displacement[tie.particle] + (F[tie.particle] - fit.projector(tie.particle)) * tie.arm);
   return rest + u;
 }
 
@@ -120,7 +121,7 @@ void move_active(Surface& surface, const Particles& particles, const MovingLeast
         Vec3 u = Vec3::Zero(), v = Vec3::Zero();
         for (const Skin::Tie& tie : surface.skin.row(s)) {  // eq 25, and its rate
           Index i = tie.particle;
-          u += tie.weight * (particles.displacement[i] + (F[i] - fit.plane[i]) * tie.arm);
+          u += tie.weight * (particles.displacement[i] + (F[i] - fit.projector(i)) * tie.arm);
           v += tie.weight * (particles.velocity[i] + F_rate[i] * tie.arm);
         }
         surface.position[s] = surface.rest[s] + u;

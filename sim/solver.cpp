@@ -55,6 +55,8 @@ struct Solver::Data {
   SolverStatistics statistics;
 
   unsigned needs = 0;
+  bool strain_tells =
+      false;  // a particle that is no longer finite shows in some F, its velocity a step later
   StressStage stress;
   std::vector<Mat3> P;  // that surface forces leave
   std::vector<Vec3> force, surface_force;
@@ -82,7 +84,7 @@ struct Solver::Data {
   void find_initial_rate() {
     if (!(needs & (needs_strain_rate | needs_surface))) return;
     deformation_gradients(state.links, state.fit, state.particles.velocity, state.F_rate);
-    for (std::size_t i = 0; i < state.size(); ++i) state.F_rate[i] -= state.fit.plane[i];
+    for (std::size_t i = 0; i < state.size(); ++i) state.F_rate[i] -= state.fit.projector(i);
   }
 
   void find_near() {
@@ -233,7 +235,10 @@ struct Solver::Data {
     statistics.largest_step = std::max(statistics.largest_step, dt);
   }
 
-  void refuse_wrong_state() const { refuse_divergence(state, control.finite(), settings.step_fraction); }
+  void refuse_wrong_state() const {
+    if (!strain_tells || !control.finite()) refuse_any_wrong_state();
+  }
+  void refuse_any_wrong_state() const { refuse_divergence(state, control.finite(), settings.step_fraction); }
 
   void refuse_energy_from_nowhere() {
     if (watch.wants_ledger(state.particles) && watch.alarmed(state, effects, ledger(), control.keys()))
@@ -292,6 +297,7 @@ Solver::Solver(State state, std::vector<std::unique_ptr<Effect>> effects, const 
     d.statistics.effects.push_back({.name = std::string(effect->name())});
   }
   if (d.needs & (needs_strain_rate | needs_surface | needs_pair_stiffness)) d.needs |= needs_strain;
+  d.strain_tells = d.needs & needs_strain && d.state.fit.count_below(1) == 0;
   d.control = StepControl(d.state.bodies.size());
   keep_in_huge_pages(d.state);
   if (d.needs & needs_strain) d.stress = StressStage(d.state, d.effects, d.needs);
@@ -325,7 +331,7 @@ void Solver::advance(double seconds) {
   }
   d.state.time = end;
   d.refresh();
-  d.refuse_wrong_state();
+  d.refuse_any_wrong_state();
 }
 
 void Solver::static_force(std::span<const Vec3> displacement, std::span<Vec3> force) {

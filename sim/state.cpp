@@ -13,7 +13,8 @@ void prepare_state(State& state, const NeighborhoodSettings& settings, const Lin
   surface.skin = bind_skin(state.particles, state.bodies, state.links, surface.rest, tie_allowed);
   surface.position = surface.rest;
   surface.velocity.assign(surface.size(), Vec3::Zero());
-  state.F = state.fit.plane;
+  state.F.resize(state.size());
+  for (std::size_t i = 0; i < state.size(); ++i) state.F[i] = state.fit.projector(i);
   state.fixed.assign(state.size(), 0);
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sim/divergence.hpp"
-#include "sim/material.hpp"
 
 namespace deforma {
 
@@ -12,15 +11,6 @@ namespace {
 
 constexpr double most_strain_change = 0.2;  // in one step, relative: else the stiffness at its end is another
 constexpr double step_growth = 1.05;        // from one step to the next
-
-// How much stiffer than at rest a material can have become under F, but for a constant: what multiplies the moduli in
-// the second derivatives of the energies in use. The norm of F alone would not tell a pulled particle from a flattened
-// one, whose cofactors are many times larger.
-double stiffening(const Mat3& F) {
-  const Mat3 C = cofactor(F);
-  const double squared = F.squaredNorm();
-  return 0.5 + squared + C.squaredNorm() + std::abs(F.col(0).dot(C.col(0)) - 1.0) * std::sqrt(squared);
-}
 
 double smallest_spacing(const State& state) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -35,14 +25,9 @@ StepControl::StepControl(std::size_t bodies) {
   conditions_.key.assign(bodies, 0.0);
 }
 
-void StrainSurvey::look(const Mat3& F, const Mat3& F_before) {
-  const double squared = F.squaredNorm();
-  if (!(squared < exploded * exploded)) {
-    stiffening = std::numeric_limits<double>::infinity();
-    return;
-  }
-  stiffening = std::max(stiffening, deforma::stiffening(F));
-  change = std::max(change, (F - F_before).squaredNorm() / std::max(squared, 1.0));
+void StrainSurvey::look(std::span<const Mat3> F, std::span<const Mat3> F_before, const InnerLoops& loops) {
+  if (F.empty()) return;
+  loops.survey(F.data()->data(), F_before.data()->data(), F.size(), exploded, &stiffening, &change);
 }
 
 void StepControl::observe(std::span<const Block> blocks, std::span<const StrainSurvey> surveys,

@@ -14,11 +14,15 @@ namespace deforma {
 
 /// What the strain of some particles asks of the step.
 struct StrainSurvey {
-  double stiffening =
-      0.0;  ///< the largest, up to a constant factor; infinity where some F is not finite or exploded
-  double change = 0.0;  ///< the largest of F since the last step, squared, relative
+  /// How much stiffer than at rest some material can have become, but for a constant: what multiplies the moduli in the
+  /// second derivatives of the energies in use, 1/2 + |F|^2 + |cof F|^2 + |det F - 1| |F|. The norm of F alone would not
+  /// tell a pulled particle from a flattened one, whose cofactors are many times larger. Infinity where some F is not
+  /// finite or exploded.
+  double stiffening = 0.0;
+  double change = 0.0;  ///< the largest |F - F_before|^2 over |F|^2 or 1
 
-  void look(const Mat3& F, const Mat3& F_before);
+  /// @param F, F_before of the same particles, now and one step ago
+  void look(std::span<const Mat3> F, std::span<const Mat3> F_before, const InnerLoops& loops);
 };
 
 /// Bounds the substep as far as strain is concerned: by the highest frequency, measured on the real force and again

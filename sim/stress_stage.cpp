@@ -106,13 +106,14 @@ void StressStage::find_strain(State& state, double last_step, bool with_stress, 
     Scratch scratch;
     const std::span<Mat3> F = std::span(scratch.F).first(block.size());
     block_deformation_gradients(state.links, state.fit, u, block.particles, F);
+    const std::span<Mat3> before = part(state.F, block);
     surveys_[b] = {};
-    for (std::size_t k = 0, i = block.particles.begin; k < block.size(); ++k, ++i) {
-      surveys_[b].look(F[k], state.F[i]);
-      // F is linear in u and u advanced by v dt, so this quotient is the gradient of the velocity.
-      if (with_rate) state.F_rate[i] = (F[k] - state.F[i]) / last_step;
-      state.F[i] = F[k];
-    }
+    surveys_[b].look(F, before, state.links.loops());
+    // F is linear in u and u advanced by v dt, so this quotient is the gradient of the velocity.
+    if (with_rate)
+      for (std::size_t k = 0; k < block.size(); ++k)
+        state.F_rate[block.particles.begin + k] = (F[k] - before[k]) / last_step;
+    std::copy(F.begin(), F.end(), before.begin());
     laps.lap(strain);
     if (!with_stress) return;
     const std::span<Mat3> P = scratch.empty_P(block);

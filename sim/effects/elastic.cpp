@@ -70,13 +70,15 @@ class Elastic : public Effect {
     const std::size_t begin = block.particles.begin;
     for (std::size_t k = 0; k < block.size();) {
       if (fit.rank[begin + k] < 3) {
-        P[k] += reduced_first_piola_kirchhoff(solid->lame, F[k], fit.plane[begin + k], fit.rank[begin + k]);
+        P[k] +=
+            reduced_first_piola_kirchhoff(solid->lame, F[k], fit.projector(begin + k), fit.rank[begin + k]);
         ++k;
         continue;
       }
       std::size_t end = k + 1;  // of those that span space, all at once
       while (end < block.size() && fit.rank[begin + end] == 3) ++end;
-      add_first_piola_kirchhoff(solid->material, solid->lame, F.subspan(k, end - k), P.subspan(k, end - k));
+      add_first_piola_kirchhoff(solid->material, solid->lame, F.subspan(k, end - k), P.subspan(k, end - k),
+                                state.links.loops());
       k = end;
     }
   }
@@ -86,9 +88,9 @@ class Elastic : public Effect {
     for (const auto& [body, solid] : solids_)
       for (Index i = solid.particles.begin; i < solid.particles.end; ++i)
         sum += state.fit.weight[i] *
-               (state.fit.rank[i] == 3
-                    ? energy_density(solid.material, solid.lame, state.F[i])
-                    : reduced_energy_density(solid.lame, state.F[i], state.fit.plane[i], state.fit.rank[i]));
+               (state.fit.rank[i] == 3 ? energy_density(solid.material, solid.lame, state.F[i])
+                                       : reduced_energy_density(solid.lame, state.F[i],
+                                                                state.fit.projector(i), state.fit.rank[i]));
     return sum;
   }
 

@@ -56,13 +56,13 @@ class Hourglass : public Effect {
       Range particles = state.bodies[body].particles;
       double modulus = zeta.at(state.time) * state.bodies[body].young.at(state.time);
       for (Index i = particles.begin; i < particles.end; ++i) {
-        Mat3 gradient = state.F[i] - state.fit.plane[i];
+        Mat3 gradient = state.F[i] - state.fit.projector(i);
         double residual = 0.0;
         Range row = links.row(i);
         for (Index l = row.begin; l < row.end; ++l) {
           Index j = links.links[l].j;
           Mat3 used =
-              state.fit.quadratic() ? Mat3(0.5 * (gradient + state.F[j] - state.fit.plane[j])) : gradient;
+              state.fit.quadratic() ? Mat3(0.5 * (gradient + state.F[j] - state.fit.projector(j))) : gradient;
           Vec3 e = used * (state.particles.rest[j] - state.particles.rest[i]) -
                    (state.particles.displacement[j] - state.particles.displacement[i]);
           residual += links.links[l].weight * e.squaredNorm();

@@ -103,7 +103,7 @@ inline bool finite_everywhere(const State& state) {
                   [](const Skin::Tie& tie) { return std::isfinite(tie.weight) && tie.arm.allFinite(); });
   return finite(p.rest) && finite(p.displacement) && finite(p.velocity) && numbers(p.mass) &&
          numbers(p.volume) && numbers(state.links.support) && links && finite(fit.inverse) &&
-         finite(fit.plane) && numbers(fit.trace) && pairs && ties && finite(state.surface.rest) &&
+         finite(fit.projectors) && numbers(fit.trace) && pairs && ties && finite(state.surface.rest) &&
          numbers(state.surface.area) && finite(state.surface.position) && finite(state.surface.velocity) &&
          finite(state.F) && finite(state.F_rate) && std::isfinite(state.time);
 }

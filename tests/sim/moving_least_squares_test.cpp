@@ -68,7 +68,7 @@ TEST(MovingLeastSquares, TheQuadraticFitOfThinBodiesLeavesOutWhatTheyCannotTell)
       exact << 2 * X.x() + y * X.y(), y * X.x(), 0,   //
           0, 2 * y * X.y() + yz * X.z(), yz * X.y(),  //
           yz * X.z(), 0, yz * X.x();
-      EXPECT_LT((state.F[i] - state.fit.plane[i] - exact).norm(), 1e-11) << c.count.transpose();
+      EXPECT_LT((state.F[i] - state.fit.projector(i) - exact).norm(), 1e-11) << c.count.transpose();
     }
   }
 }
@@ -106,7 +106,7 @@ TEST(MovingLeastSquares, AnAlmostFlatSheetIsLeftToTheLinearFit) {
     state.particles.displacement[i] = R * state.particles.rest[i] - state.particles.rest[i];
   deformation_gradients(state.links, state.fit, state.particles.displacement, state.F);
   for (std::size_t i = 0; i < state.size(); ++i)
-    EXPECT_LT((state.F[i].transpose() * state.F[i] - state.fit.plane[i]).norm(), 1e-12);
+    EXPECT_LT((state.F[i].transpose() * state.F[i] - state.fit.projector(i)).norm(), 1e-12);
 }
 
 TEST(MovingLeastSquares, TheWeightsIntegrateQuadraticFieldsOverTheBody) {
@@ -147,7 +147,7 @@ TEST(MovingLeastSquares, SeesTheRankOfSheetsRopesAndLoneParticles) {
   EXPECT_EQ(rope.fit.count_below(1), 0u);
   EXPECT_EQ(one.fit.rank[0], 0);
   EXPECT_TRUE(one.F[0].isZero());
-  EXPECT_NEAR((sheet.fit.plane[7] - Vec3(1, 1, 0).asDiagonal().toDenseMatrix()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((sheet.fit.projector(7) - Vec3(1, 1, 0).asDiagonal().toDenseMatrix()).norm(), 0.0, 1e-12);
 }
 
 TEST(MovingLeastSquares, ASheetTurnsWithItsRotation) {
@@ -157,7 +157,7 @@ TEST(MovingLeastSquares, ASheetTurnsWithItsRotation) {
     sheet.particles.displacement[i] = R * sheet.particles.rest[i] - sheet.particles.rest[i];
   deformation_gradients(sheet.links, sheet.fit, sheet.particles.displacement, sheet.F);
   for (std::size_t i = 0; i < sheet.size(); ++i)
-    EXPECT_LT((sheet.F[i] - R * sheet.fit.plane[i]).norm(), 1e-13);
+    EXPECT_LT((sheet.F[i] - R * sheet.fit.projector(i)).norm(), 1e-13);
 }
 
 TEST(MovingLeastSquares, IsFreeOfScale) {

@@ -113,6 +113,31 @@ TEST(Neighborhood, ClipsTheCountInTinyBodies) {
   }
 }
 
+// What a row gathers from for the first time was named by one not far above it, and small bodies need none of it.
+TEST(Neighborhood, NamesAheadWhatRowsWillGatherFrom) {
+  EXPECT_TRUE(lattice_box(Vec3::Ones(), 10, 10, 10, 1000.0).links.ahead.empty());
+  const Neighborhood links = lattice_box(Vec3::Ones(), 20, 20, 15, 1000.0).links;
+  ASSERT_EQ(links.ahead.size(), 6000u);
+  std::vector<Index> named(links.size(), 0);
+  std::vector<std::uint8_t> seen(links.size(), 0);
+  std::size_t first = 0, foreseen = 0;
+  for (Index i = 0; i < links.size(); ++i) {
+    for (Index l = links.start[i]; l < links.start[i + 1]; ++l) {
+      const Index j = links.links[l].j;
+      if (seen[j]) continue;
+      seen[j] = 1;
+      ++first;
+      if (named[j] > 0 && i + 1 - named[j] <= 200) ++foreseen;
+    }
+    for (Index j : links.ahead[i].j) {
+      ASSERT_LT(j, links.size());
+      named[j] = i + 1;
+    }
+  }
+  EXPECT_EQ(first, links.size());
+  EXPECT_GT(foreseen, 9 * first / 10);
+}
+
 TEST(Neighborhood, RefusesBadSettingsAndPositions) {
   State state = lattice_particles(Vec3::Ones(), 3, 3, 3, 1000.0);
   auto message = [&](const NeighborhoodSettings& settings) -> std::string {

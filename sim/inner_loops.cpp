@@ -1,4 +1,4 @@
-#include "sim/gather.hpp"
+#include "sim/inner_loops.hpp"
 
 #include <fmt/core.h>
 
@@ -6,9 +6,9 @@
 
 namespace deforma {
 
-extern const Gather gather_baseline;
+extern const InnerLoops loops_baseline;
 #ifdef DEFORMA_AVX2
-extern const Gather gather_avx2, gather_avx2_fma;
+extern const InnerLoops loops_avx2, loops_avx2_fma;
 #endif
 
 std::string_view instructions_name(Instructions instructions) {
@@ -34,15 +34,15 @@ Instructions portable_instructions() {
   return supports(Instructions::avx2) ? Instructions::avx2 : Instructions::baseline;
 }
 
-const Gather& gather_with(Instructions instructions) {
+const InnerLoops& inner_loops_of(Instructions instructions) {
   if (!supports(instructions))
     throw std::invalid_argument(
         fmt::format("this processor does not have the instructions '{}'", instructions_name(instructions)));
 #ifdef DEFORMA_AVX2
-  if (instructions == Instructions::avx2) return gather_avx2;
-  if (instructions == Instructions::avx2_fma) return gather_avx2_fma;
+  if (instructions == Instructions::avx2) return loops_avx2;
+  if (instructions == Instructions::avx2_fma) return loops_avx2_fma;
 #endif
-  return gather_baseline;
+  return loops_baseline;
 }
 
 }  // namespace deforma

@@ -7,7 +7,7 @@
 
 namespace deforma {
 
-/// Which instructions the gathers are made of. All add in the same order: `baseline` and `avx2` give the same bits on
+/// Which instructions the inner loops are made of. All add in the same order: `baseline` and `avx2` give the same bits on
 /// any processor, `avx2_fma`, which rounds a product and its sum once, others by rounding.
 enum class Instructions {
   baseline,  ///< what every x86-64 processor has (SSE2), or whatever this machine is
@@ -35,29 +35,39 @@ struct Rows {
   std::size_t begin, end;
 };
 
-/// The loops over neighbours, in which a simulation spends its time, on plain arrays. Each particle gathers from its
+/// The loops in which a simulation spends its time, on plain arrays: over neighbours and over a block's strain. Each particle gathers from its
 /// neighbours and writes only what is its own, so that rows run in any order with one result. Sums run over the even
 /// links and the odd ones apart, to be added at the end: two chains of additions are under way at once.
 ///
 /// Vectors of three are three doubles and matrices nine, by columns; entry k of what is written belongs to particle
 /// begin + k.
-struct Gather {
-  /// gradients[k] = (sum_j u_ij (W X_ij)^T) inverses[i] (eqs 7, 8).
+struct InnerLoops {
+  /// F[k] = Q_i + (sum_j u_ij (W X_ij)^T) inverses[i] (eqs 7, 8).
+  /// @param projectors Q, or null where all are the identity
   void (*linear_gradient)(const Rows<Link>& rows, const Place* places, const double* inverses,
-                          const double* field, double* gradients);
+                          const double* field, const double* projectors, double* F);
 
-  /// gradients[k] = sum_j u_ij g_ij^T.
-  void (*quadratic_gradient)(const Rows<GradientLink>& rows, const double* field, double* gradients);
+  /// F[k] = Q_i + sum_j u_ij g_ij^T.
+  void (*quadratic_gradient)(const Rows<GradientLink>& rows, const double* field, const double* projectors,
+                             double* F);
 
-  /// Makes carriers[k] for `linear_force`, of as many particles as are given: B = w P inverse^T - s grad u.
+  /// Surveys `count` F against those of a step ago, for `StrainSurvey`: raises its two values to the largest of each.
+  void (*survey)(const double* F, const double* F_before, std::size_t count, double exploded,
+                 double* stiffening, double* change);
+
+  /// Adds the first Piola-Kirchhoff stress of `Material::neo_hookean` to P, of `count` F.
+  void (*neo_hookean)(double lambda, double mu, const double* F, std::size_t count, double* P);
+
+  /// Makes carriers[k] for `linear_force`, of as many particles as are given: B = w P inverse^T - s (F - Q).
   struct Stressed {
-    const Place* places;      // X
-    const double* field;      // u
-    const double* weights;    // w
-    const double* inverses;   // of the moment matrices
-    const double* stresses;   // P
-    const double* gradients;  // grad u; not looked at without stiffness
-    const double* stiffness;  // s, or null
+    const Place* places;     // X
+    const double* field;     // u
+    const double* weights;   // w
+    const double* inverses;  // of the moment matrices
+    const double* stresses;  // P
+    const double* F;
+    const double* projectors;  // Q, or null where all are the identity
+    const double* stiffness;   // s, or null
   };
   void (*linear_carry)(const Stressed& from, std::size_t count, Carrier* carriers);
 
@@ -75,6 +85,6 @@ struct Gather {
 };
 
 /// @throws std::invalid_argument for instructions that this processor does not have.
-const Gather& gather_with(Instructions instructions);
+const InnerLoops& inner_loops_of(Instructions instructions);
 
 }  // namespace deforma

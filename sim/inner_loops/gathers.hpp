@@ -1,24 +1,10 @@
-// The gathers (sim/gather.hpp), compiled once for each set of instructions. Only what is below may be included beside
-// it: a shared inline function compiled with more instructions than the processor has could be the one that is linked.
-#include "sim/gather.hpp"
+#pragma once
+
+// The loops over neighbours.
+#include "sim/inner_loops/four.hpp"
 
 namespace deforma {
 namespace {
-
-using Four = double __attribute__((vector_size(32), aligned(32), may_alias));
-using UnalignedFour = double __attribute__((vector_size(32), aligned(8), may_alias));
-
-#define DEFORMA_INLINE inline __attribute__((always_inline))
-
-DEFORMA_INLINE Four load(const double* from) { return *reinterpret_cast<const Four*>(from); }
-DEFORMA_INLINE Four all(double x) { return Four{x, x, x, x}; }
-/// The same, once and for all: the compiler would take what is subtracted from it before it is spread, one by one.
-DEFORMA_INLINE Four all_kept(double x) {
-  Four spread = all(x);
-  asm("" : "+m"(spread));
-  return spread;
-}
-DEFORMA_INLINE void store(double* to, Four x) { *reinterpret_cast<UnalignedFour*>(to) = x; }
 
 /// Three vectors that are summed over a row: its even and its odd links apart.
 struct Three {
@@ -34,13 +20,11 @@ DEFORMA_INLINE void store(double* to, const Three& sum) {
   store(to + 4, sum.y);
   store(to + 8, sum.z);
 }
-DEFORMA_INLINE Four load_three(const double* from) { return Four{from[0], from[1], from[2], 0.0}; }
-DEFORMA_INLINE void store_three(double* to, Four x) {
-  to[0] = x[0];
-  to[1] = x[1];
-  to[2] = x[2];
+/// Of Q, which is the identity where there are none.
+DEFORMA_INLINE Four projector_column(const double* projectors, std::size_t i, int c) {
+  constexpr Four unit[3] = {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}};
+  return projectors ? load_three(projectors + 9 * i + 3 * c) : unit[c];
 }
-
 /// Asks the memory for what a row a little further on will need: a hint, which may name any address. The links of
 /// short rows are among it, which the processor's own foresight loses among all that is gathered beside them.
 template <typename RowLink>
@@ -74,23 +58,10 @@ DEFORMA_INLINE void ask_for(const Carrier& carrier) {
   __builtin_prefetch(carrier.line[1]);
 }
 
-/// Turns four rows into four columns.
-DEFORMA_INLINE void transpose(Four& a, Four& b, Four& c, Four& d) {
-  const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6),
-             ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7),
-             cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6),
-             cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
-  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
-  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
-  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
-}
 DEFORMA_INLINE void turn_into_columns(Three& rows) {
   Four none{};
   transpose(rows.x, rows.y, rows.z, none);
 }
-DEFORMA_INLINE double total(Four x) { return (x[0] + x[1]) + (x[2] + x[3]); }
-
 /// Calls visit(link, sum) for every link of a row.
 template <typename RowLink, typename Visit>
 DEFORMA_INLINE Three over_row(const Rows<RowLink>& rows, std::size_t i, const Visit& visit) {
@@ -107,9 +78,9 @@ DEFORMA_INLINE Three over_row(const Rows<RowLink>& rows, std::size_t i, const Vi
 }
 
 void linear_gradient(const Rows<Link>& rows, const Place* places, const double* inverses, const double* field,
-                     double* gradients) {
+                     const double* projectors, double* F) {
   const Foresight<Link> foresight(rows);
-  for (std::size_t i = rows.begin; i != rows.end; ++i, gradients += 9) {
+  for (std::size_t i = rows.begin; i != rows.end; ++i, F += 9) {
     foresight.look(
         i, [&](std::size_t j) __attribute__((always_inline)) {
           __builtin_prefetch(places + j);
@@ -129,33 +100,35 @@ void linear_gradient(const Rows<Link>& rows, const Place* places, const double* 
     turn_into_columns(sum);
     const double* const inverse = inverses + 9 * i;
     for (int c = 0; c < 3; ++c)  // eq 7
-      store_three(gradients + 3 * c, (sum.x * all(inverse[3 * c]) + sum.y * all(inverse[3 * c + 1])) +
-                                         sum.z * all(inverse[3 * c + 2]));
+      store_three(F + 3 * c, projector_column(projectors, i, c) +
+                                 ((sum.x * all(inverse[3 * c]) + sum.y * all(inverse[3 * c + 1])) +
+                                  sum.z * all(inverse[3 * c + 2])));
   }
 }
 
-void quadratic_gradient(const Rows<GradientLink>& rows, const double* field, double* gradients) {
+void quadratic_gradient(const Rows<GradientLink>& rows, const double* field, const double* projectors,
+                        double* F) {
   const Foresight<GradientLink> foresight(rows);
-  for (std::size_t i = rows.begin; i != rows.end; ++i, gradients += 9) {
+  for (std::size_t i = rows.begin; i != rows.end; ++i, F += 9) {
     foresight.look(
         i, [&](std::size_t j) __attribute__((always_inline)) { __builtin_prefetch(field + 3 * j); });
     const Four ux = all_kept(field[3 * i]), uy = all_kept(field[3 * i + 1]), uz = all_kept(field[3 * i + 2]);
     Three sum = over_row(
         rows, i, [&](const GradientLink& link, Three& row) __attribute__((always_inline)) {
-          const Four g = *reinterpret_cast<const UnalignedFour*>(link.g);  // the fourth is not used
+          const Four g = load_unaligned(link.g);  // the fourth is not used
           const double* const u = field + 3 * std::size_t{link.link.j};
           row.x += (all(u[0]) - ux) * g;
           row.y += (all(u[1]) - uy) * g;
           row.z += (all(u[2]) - uz) * g;
         });
     turn_into_columns(sum);
-    store_three(gradients, sum.x);
-    store_three(gradients + 3, sum.y);
-    store_three(gradients + 6, sum.z);
+    store_three(F, projector_column(projectors, i, 0) + sum.x);
+    store_three(F + 3, projector_column(projectors, i, 1) + sum.y);
+    store_three(F + 6, projector_column(projectors, i, 2) + sum.z);
   }
 }
 
-void linear_carry(const Gather::Stressed& from, std::size_t count, Carrier* carriers) {
+void linear_carry(const InnerLoops::Stressed& from, std::size_t count, Carrier* carriers) {
   for (std::size_t k = 0; k != count; ++k) {
     const double* const inverse = from.inverses + 9 * k;
     const double* const P = from.stresses + 9 * k;
@@ -167,10 +140,13 @@ void linear_carry(const Gather::Stressed& from, std::size_t count, Carrier* carr
     Four head = load(from.places[k].X);
     if (from.stiffness) {
       const Four s = all(from.stiffness[k]);
-      for (int c = 0; c < 3; ++c) columns[c] -= s * load_three(from.gradients + 9 * k + 3 * c);
+      for (int c = 0; c < 3; ++c)
+        columns[c] -= s * (load_three(from.F + 9 * k + 3 * c) - projector_column(from.projectors, k, c));
       head[3] = from.stiffness[k];
     }
     Carrier& carrier = carriers[k];
+    ask_to_write(carriers[k + next_block].head);
+    ask_to_write(carriers[k + next_block].line[1]);
     store(carrier.head, head);
     Four u = load_three(from.field + 3 * k);
     transpose(columns[0], columns[1], columns[2], u);  // three rows, each with its component of u
@@ -250,7 +226,7 @@ void quadratic_force(const Rows<GradientLink>& rows, const Carrier* carriers, do
     const Three sum = over_row(
         rows, i, [&](const GradientLink& link, Three& row) __attribute__((always_inline)) {
           const Carrier& other = carriers[link.link.j];
-          const Four g = *reinterpret_cast<const UnalignedFour*>(link.g);  // the fourth is not used
+          const Four g = load_unaligned(link.g);  // the fourth is not used
           row.x += load(other.line[0]) * g;
           row.y += load(other.line[1]) * g;
           row.z += load(other.line[2]) * g;
@@ -260,9 +236,6 @@ void quadratic_force(const Rows<GradientLink>& rows, const Carrier* carriers, do
     force[2] -= (sum.z[0] + sum.z[1]) + sum.z[2];
   }
 }
-
-constexpr Gather gather = {linear_gradient, quadratic_gradient, linear_carry,
-                           linear_force,    quadratic_residual, quadratic_force};
 
 }  // namespace
 }  // namespace deforma
