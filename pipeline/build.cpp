@@ -207,7 +207,7 @@ World build(const Scene& scene) {
   }
   merge_particles(state, world.warnings);
   const Gradient gradient = gradient_from_name(scene.solver.gradient);
-  if (gradient == Gradient::linear) state.particles.cells = {};  // nothing will ask for them
+  if (gradient == Gradient::linear) std::vector<Cell>().swap(state.particles.cells);  // nothing asks for them
   check_neighbors(scene, state);
   state.obstacles = make_obstacles(scene);
 

@@ -154,7 +154,7 @@ MovingLeastSquares fit_moving_least_squares(const Particles& particles, const Ne
     fit.projectors[i] = moment.projector;
     fit.trace[i] = A.trace();
   });
-  if (fit.count_below(3) == 0) fit.projectors = {};
+  if (fit.count_below(3) == 0) std::vector<Mat3>().swap(fit.projectors);
   fit.weight = particles.volume;
   if (gradient == Gradient::quadratic) fit_quadratic(particles, links, complete, fit);
   return fit;
