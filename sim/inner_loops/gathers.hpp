@@ -42,9 +42,10 @@ class Foresight {
   DEFORMA_INLINE void look(std::size_t i, const Ask& ask) const {
     if (!rows_.ahead) return;
     for (const std::uint32_t j : rows_.ahead[i].j) ask(j);
+    // Links are looked at once a gather: they are not to take the cache from what is gathered again.
     const auto links = reinterpret_cast<std::uintptr_t>(rows_.links + rows_.start[i]) + early;
     for (std::size_t k = 0; k != lines_; ++k)
-      __builtin_prefetch(reinterpret_cast<const void*>(links + k * line));
+      __builtin_prefetch(reinterpret_cast<const void*>(links + k * line), 0, 0);
   }
 
  private:
