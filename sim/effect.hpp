@@ -72,6 +72,11 @@ class Effect {
   /// Potential energy [J]; zero for what dissipates.
   virtual double energy(const State&) const { return 0.0; }
 
+  /// Adds, for a block's particles, the energy density [J/m^3 at rest] whose derivative by F `stress` is; nothing where
+  /// there is none. May be called for several blocks at once.
+  virtual void energy_density(const State&, const Block&, std::span<const Mat3> /*F*/,
+                              std::span<double> /*density*/) const {}
+
   /// The largest stable substep as far as this effect alone knows [s]. What `stress` does in answer to F is
   /// measured by the solver itself and need not be bounded here.
   virtual double stable_step(const State&) const { return std::numeric_limits<double>::infinity(); }

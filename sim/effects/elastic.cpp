@@ -87,11 +87,16 @@ class Elastic : public Effect {
     double sum = 0.0;
     for (const auto& [body, solid] : solids_)
       for (Index i = solid.particles.begin; i < solid.particles.end; ++i)
-        sum += state.fit.weight[i] *
-               (state.fit.rank[i] == 3 ? energy_density(solid.material, solid.lame, state.F[i])
-                                       : reduced_energy_density(solid.lame, state.F[i],
-                                                                state.fit.projector(i), state.fit.rank[i]));
+        sum += state.fit.weight[i] * density_at(solid, state.fit, i, state.F[i]);
     return sum;
+  }
+
+  void energy_density(const State& state, const Block& block, std::span<const Mat3> F,
+                      std::span<double> density) const override {
+    const Solid* solid = solids_.of(block.body);
+    if (!solid) return;
+    for (std::size_t k = 0; k < block.size(); ++k)
+      density[k] += density_at(*solid, state.fit, block.particles.begin + k, F[k]);
   }
 
   void stiffness_key(const State&, std::span<double> per_body) const override {
@@ -101,6 +106,11 @@ class Elastic : public Effect {
   std::size_t bytes() const override { return solids_.bytes(); }
 
  private:
+  static double density_at(const Solid& solid, const MovingLeastSquares& fit, std::size_t i, const Mat3& F) {
+    return fit.rank[i] == 3 ? deforma::energy_density(solid.material, solid.lame, F)
+                            : reduced_energy_density(solid.lame, F, fit.projector(i), fit.rank[i]);
+  }
+
   PerBody<Solid> solids_;
 };
 

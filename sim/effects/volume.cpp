@@ -52,6 +52,17 @@ class Volume : public Effect {
     return sum;
   }
 
+  void energy_density(const State& state, const Block& block, std::span<const Mat3> F,
+                      std::span<double> density) const override {
+    const Kept* kept = kept_.of(block.body);
+    if (!kept) return;
+    for (std::size_t k = 0; k < block.size(); ++k) {
+      if (state.fit.rank[block.particles.begin + k] < 3) continue;
+      const double change = F[k].determinant() - 1.0;
+      density[k] += 0.5 * kept->stiffness.at(state.time) * change * change;
+    }
+  }
+
   void stiffness_key(const State& state, std::span<double> per_body) const override {
     for (const auto& [body, kept] : kept_) per_body[body] += std::log(kept.stiffness.at(state.time));
   }
