@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "render/shaders.hpp"
@@ -57,6 +58,16 @@ std::vector<std::array<std::uint32_t, 2>> lone_edges(const DrawnMesh& drawn) {
   return lone;
 }
 
+void check_values(std::span<const float> values, std::size_t points, const ColorScale* scale,
+                  const char* what, std::size_t number) {
+  if (!values.empty() && values.size() != points)
+    throw std::invalid_argument(
+        fmt::format("{} {}: {} points with {} values", what, number, points, values.size()));
+  if (!values.empty() && !(scale && scale->map && scale->low < scale->high))
+    throw std::invalid_argument(
+        fmt::format("{} {}: values need a colour scale from a lower to a higher one", what, number));
+}
+
 void attribute(GLuint place, GLint size, GLsizei stride, std::size_t offset) {
   glEnableVertexAttribArray(place);
   glVertexAttribPointer(place, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
@@ -64,6 +75,20 @@ void attribute(GLuint place, GLint size, GLsizei stride, std::size_t offset) {
 
 void store(GLenum target, const void* data, std::size_t bytes) {
   glBufferData(target, static_cast<GLsizeiptr>(bytes), data, GL_STREAM_DRAW);
+}
+
+/// Places in the colour map as an attribute of the bound vertex array, or none.
+void use_values(const gl::Buffer& places, bool by_value) {
+  if (!by_value) return glDisableVertexAttribArray(ShaderPlaces::value);
+  glBindBuffer(GL_ARRAY_BUFFER, places.id());
+  attribute(ShaderPlaces::value, 1, sizeof(float), 0);
+}
+
+void store_places(const gl::Buffer& places, std::span<const float> values, const ColorScale& scale) {
+  std::vector<float> staging;
+  for (float value : values) staging.push_back(static_cast<float>(scale.place(value)));
+  glBindBuffer(GL_ARRAY_BUFFER, places.id());
+  store(GL_ARRAY_BUFFER, staging.data(), staging.size() * sizeof(float));
 }
 
 }  // namespace
@@ -87,13 +112,13 @@ SceneBounds Geometry::upload(const FrameContent& frame) {
   SceneBounds bounds;
   meshes_.resize(frame.meshes.size());
   for (std::size_t i = 0; i < frame.meshes.size(); ++i) {
-    const Box box = upload_mesh(frame.meshes[i], meshes_[i], frame.camera, i);
+    const Box box = upload_mesh(frame.meshes[i], meshes_[i], frame, i);
     bounds.content.add(box);
     if (frame.meshes[i].look.opacity >= 1.0f) bounds.casters.add(box);
   }
   spheres_.resize(frame.spheres.size());
   for (std::size_t i = 0; i < frame.spheres.size(); ++i) {
-    const Box box = upload_spheres(frame.spheres[i], spheres_[i], frame.camera, i);
+    const Box box = upload_spheres(frame.spheres[i], spheres_[i], frame, i);
     bounds.content.add(box);
     if (frame.spheres[i].look.opacity >= 1.0f) bounds.casters.add(box);
   }
@@ -104,14 +129,16 @@ SceneBounds Geometry::upload(const FrameContent& frame) {
   return bounds;
 }
 
-Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Camera& camera,
+Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const FrameContent& frame,
                           std::size_t number) {
+  const Camera& camera = frame.camera;
   const bool flat = drawn.look.flat;
   if (drawn.normals.size() != drawn.points.size() && !(flat && drawn.normals.empty()))
     throw std::invalid_argument(
         fmt::format("mesh {}: {} points with {} normals; as many are needed, or none for a flat look", number,
                     drawn.points.size(), drawn.normals.size()));
   check_look(drawn.look, "mesh", number);
+  check_values(drawn.values, drawn.points.size(), frame.color_scale, "mesh", number);
   check_indices(drawn, number);
 
   Box box;
@@ -127,7 +154,10 @@ Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Came
     out_point = point.cast<float>();
     out_normal = normal.cast<float>();
   }
+  mesh.by_value = !drawn.values.empty();
+  if (mesh.by_value) store_places(mesh.values, drawn.values, *frame.color_scale);
   glBindVertexArray(mesh.array.id());
+  use_values(mesh.values, mesh.by_value);
   glBindBuffer(GL_ARRAY_BUFFER, mesh.vertices.id());
   store(GL_ARRAY_BUFFER, staging_.data(), staging_.size() * sizeof(float));
   attribute(ShaderPlaces::position, 3, 6 * sizeof(float), 0);
@@ -139,6 +169,8 @@ Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Came
   if (drawn.look.opacity < 1.0f) {
     const auto edges = lone_edges(drawn);
     glBindVertexArray(mesh.edge_array.id());
+    use_values(mesh.values, mesh.by_value);
+    glBindBuffer(GL_ARRAY_BUFFER, mesh.vertices.id());
     attribute(ShaderPlaces::position, 3, 6 * sizeof(float), 0);
     attribute(ShaderPlaces::normal, 3, 6 * sizeof(float), 3 * sizeof(float));
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, mesh.edges.id());
@@ -152,12 +184,14 @@ Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Came
   return box;
 }
 
-Box Geometry::upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres, const Camera& camera,
+Box Geometry::upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres, const FrameContent& frame,
                              std::size_t number) {
+  const Camera& camera = frame.camera;
   if (!(drawn.radius > 0.0) || !std::isfinite(drawn.radius))
     throw std::invalid_argument(
         fmt::format("spheres {}: the radius must be positive, not {}", number, drawn.radius));
   check_look(drawn.look, "spheres", number);
+  check_values(drawn.values, drawn.centers.size(), frame.color_scale, "spheres", number);
   std::vector<Eigen::Vector3d> centers;
   centers.reserve(drawn.centers.size());
   Box box;
@@ -169,16 +203,26 @@ Box Geometry::upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres
     box.add(centers.back(), drawn.radius);
   }
   const Eigen::Vector3d eye = camera.eye - camera.target;
+  std::vector<std::size_t> order(centers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
   if (drawn.look.opacity < 1.0f)  // seen through each other: the far ones first
-    std::stable_sort(centers.begin(), centers.end(), [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-      return (a - eye).squaredNorm() > (b - eye).squaredNorm();
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return (centers[a] - eye).squaredNorm() > (centers[b] - eye).squaredNorm();
     });
   staging_.resize(3 * centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i) {
     Eigen::Map<Eigen::Vector3f> out(staging_.data() + 3 * i);
-    out = centers[i].cast<float>();
+    out = centers[order[i]].cast<float>();
   }
   glBindVertexArray(spheres.array.id());
+  spheres.by_value = !drawn.values.empty();
+  if (spheres.by_value) {
+    std::vector<float> values;
+    for (std::size_t i : order) values.push_back(drawn.values[i]);
+    store_places(spheres.values, values, *frame.color_scale);
+    glVertexAttribDivisor(ShaderPlaces::value, 1);
+  }
+  use_values(spheres.values, spheres.by_value);
   glBindBuffer(GL_ARRAY_BUFFER, spheres.centers.id());
   store(GL_ARRAY_BUFFER, staging_.data(), staging_.size() * sizeof(float));
   attribute(ShaderPlaces::position, 3, 3 * sizeof(float), 0);

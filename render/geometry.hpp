@@ -12,12 +12,14 @@ namespace deforma {
 struct UploadedMesh {
   gl::VertexArray array;
   gl::Buffer vertices;  ///< position and normal, 6 floats
+  gl::Buffer values;    ///< places in the colour map, when it is drawn by them
   gl::Buffer indices;
   GLsizei corners = 0;
   gl::VertexArray edge_array;
   gl::Buffer edges;       ///< two indices each
   GLsizei edge_ends = 0;  ///< translucent meshes only: where just one triangle ends
   Look look;
+  bool by_value = false;
   double distance = 0.0;    ///< from the eye to its middle [m]
   bool inside_out = false;  ///< its triangles face its middle; found for translucent meshes only
 
@@ -29,9 +31,11 @@ struct UploadedMesh {
 struct UploadedSpheres {
   gl::VertexArray array;
   gl::Buffer centers;  ///< 3 floats
+  gl::Buffer values;   ///< as of a mesh
   GLsizei count = 0;
   float radius = 0.0f;  ///< [m]
   Look look;
+  bool by_value = false;
 
   void draw() const;
 };
@@ -47,8 +51,8 @@ class Geometry {
   const std::vector<UploadedSpheres>& spheres() const { return spheres_; }
 
  private:
-  Box upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Camera& camera, std::size_t number);
-  Box upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres, const Camera& camera,
+  Box upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const FrameContent& frame, std::size_t number);
+  Box upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres, const FrameContent& frame,
                      std::size_t number);
 
   std::vector<UploadedMesh> meshes_;

@@ -75,6 +75,7 @@ struct Renderer::Data {
       (*program)->bind_sampler("shadow_map", ShaderPlaces::shadow_map);
       (*program)->bind_sampler("shadow_depths", ShaderPlaces::shadow_depths);
       (*program)->bind_sampler("ground_light", ShaderPlaces::ground_light);
+      (*program)->bind_sampler("color_map", ShaderPlaces::color_map);
     }
     if (settings.shadow_size > 0) light.emplace(sources, settings.shadow_size);
     make_targets();
@@ -150,15 +151,27 @@ struct Renderer::Data {
     return light && light->fit(bounds, to_light, uniforms);
   }
 
-  void use(const gl::Program& program, const Look& look) const {
+  /// What `base_color` looks values up in.
+  void upload_colors(const ColorMap& map) const {
+    std::vector<Rgb> texels(map.colors.begin(), map.colors.end());
+    texels.insert(texels.end(), {map.below, map.above, map.undefined});
+    glActiveTexture(GL_TEXTURE0 + ShaderPlaces::color_map);
+    glBindTexture(GL_TEXTURE_2D, color_map.id());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8, static_cast<GLsizei>(texels.size()), 1, 0, GL_RGB,
+                 GL_UNSIGNED_BYTE, texels.data());
+  }
+
+  void use(const gl::Program& program, const Look& look, bool by_value) const {
     glUseProgram(program.id());
     const Eigen::Vector3f color_linear = linear(look.color);
     glUniform4f(program.at("color"), color_linear.x(), color_linear.y(), color_linear.z(), look.opacity);
     glUniform2f(program.at("finish"), look.roughness, look.flat ? 1.0f : 0.0f);
+    glUniform1i(program.at("by_value"), by_value ? 1 : 0);
   }
 
   void draw_spheres(const UploadedSpheres& spheres) const {
-    use(*sphere, spheres.look);
+    use(*sphere, spheres.look, spheres.by_value);
     glUniform1f(sphere->at("radius"), spheres.radius);
     spheres.draw();
   }
@@ -169,7 +182,7 @@ struct Renderer::Data {
     glDisable(GL_CULL_FACE);
     for (const UploadedMesh& uploaded : geometry.meshes()) {
       if (uploaded.look.opacity < 1.0f) continue;
-      use(*mesh, uploaded.look);
+      use(*mesh, uploaded.look, uploaded.by_value);
       uploaded.draw();
     }
     for (const UploadedSpheres& spheres : geometry.spheres())
@@ -188,7 +201,7 @@ struct Renderer::Data {
     glEnable(GL_CULL_FACE);
     for (const UploadedMesh* uploaded : order) {
       glCullFace(far_side != uploaded->inside_out ? GL_FRONT : GL_BACK);
-      use(*glass, uploaded->look);
+      use(*glass, uploaded->look, uploaded->by_value);
       uploaded->draw();
     }
     glDisable(GL_CULL_FACE);
@@ -210,7 +223,7 @@ struct Renderer::Data {
     glBlendFunc(GL_ONE, GL_SRC1_COLOR);
     draw_glass(order, true);
     for (const UploadedMesh* uploaded : order) {
-      use(*glass_edge, uploaded->look);
+      use(*glass_edge, uploaded->look, uploaded->by_value);
       uploaded->draw_edges();
     }
     draw_glass(order, false);
@@ -272,6 +285,7 @@ struct Renderer::Data {
   Image draw(const FrameContent& frame) {
     const SceneBounds bounds = geometry.upload(frame);
     const bool shadows = fit(frame, bounds);
+    if (frame.color_scale) upload_colors(*frame.color_scale->map);
     glBindBuffer(GL_UNIFORM_BUFFER, block.id());
     glBufferData(GL_UNIFORM_BUFFER, sizeof uniforms, &uniforms, GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, ShaderPlaces::frame_block, block.id());
@@ -302,6 +316,7 @@ struct Renderer::Data {
   std::optional<LightPass> light;
   gl::Renderbuffer color, depth, resolved_color;
   gl::Framebuffer target, resolved;
+  gl::Texture color_map{GL_TEXTURE_2D};
   gl::VertexArray empty;
   gl::Buffer block;
   Geometry geometry;

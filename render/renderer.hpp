@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/camera.hpp"
+#include "render/color_map.hpp"
 #include "render/context.hpp"
 #include "render/image.hpp"
 
@@ -28,6 +29,8 @@ struct DrawnMesh {
   std::span<const Eigen::Vector3d> normals;  ///< unit; may be empty when look.flat
   std::span<const std::array<std::uint32_t, 3>> triangles;
   Look look;
+  std::span<const float> values =
+      {};  ///< one per point, in units of the colour scale, which gives the colour then; or empty
 };
 
 /// Particles of a frame, drawn as shaded spheres.
@@ -35,6 +38,7 @@ struct DrawnSpheres {
   std::span<const Eigen::Vector3d> centers;  ///< [m]
   double radius = 0.01;                      ///< [m]
   Look look;
+  std::span<const float> values = {};  ///< one per sphere, as of a mesh; or empty
 };
 
 /// The floor: a large disc that fades into the background and takes the shadow.
@@ -54,6 +58,7 @@ struct FrameContent {
   std::vector<DrawnMesh> meshes;
   std::vector<DrawnSpheres> spheres;
   const DrawnGround* ground = nullptr;
+  const ColorScale* color_scale = nullptr;  ///< needed where something has values
   Camera camera;
   Light light;
   Eigen::Vector3f background = {0.93f, 0.94f, 0.95f};

@@ -8,11 +8,16 @@ namespace {
 const char* const mesh_vertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
+layout(location = 2) in float place;
+// At the outline a value must not reach beyond the triangle's, hence centroid; Mesa 22's software driver then takes the wrong
+// point's w, which noperspective goes without. Triangles are small beside their distance, so it is as good.
+noperspective centroid out float value;
 out vec3 p;
 out vec3 smooth_normal;
 out vec3 from_floor;
 void main() {
   from_floor = floor_light(position);
+  value = place;
   p = position;
   smooth_normal = normal;
   gl_Position = clip * vec4(position, 1.0);
@@ -22,10 +27,13 @@ void main() {
 const char* const mesh_surface = R"(
 uniform vec4 color;  // linear; opacity
 uniform vec2 finish;  // roughness; 1 for one normal per triangle
+noperspective centroid in float value;
 in vec3 p;
 in vec3 smooth_normal;
 in vec3 from_floor;
 layout(location = 0, index = 0) out vec4 result;
+
+vec3 own_color() { return base_color(color.rgb, value); }
 
 vec3 surface_normal() {
   vec3 n = finish.y != 0.0 ? cross(dFdx(p), dFdy(p)) : (gl_FrontFacing ? smooth_normal : -smooth_normal);
@@ -35,7 +43,7 @@ vec3 surface_normal() {
 
 const char* const mesh_fragment = R"(
 void main() {
-  vec3 shade = body_color(color.rgb, finish.x, p, surface_normal(), from_floor);
+  vec3 shade = body_color(own_color(), finish.x, p, surface_normal(), from_floor);
   result = vec4(dither(tone_map(shade), gl_FragCoord.xy), 1.0);
 }
 )";
@@ -56,6 +64,7 @@ float lamps(vec3 d) {
 }
 
 void main() {
+  vec3 base = own_color();
   vec3 n = surface_normal();
   vec3 v = normalize(eye.xyz - p);
   float nv = clamp(dot(n, v), 0.05, 1.0);
@@ -64,11 +73,11 @@ void main() {
   vec3 light = mix(from_floor, vec3(key.w), 0.5 + 0.5 * n.z) + key.rgb * (0.25 * inverse_pi * (1.0 + dot(n, key_to.xyz)));
   float alpha = max(finish.x * finish.x, 0.01);
   vec3 r = reflect(-v, n);
-  vec3 shade = color.rgb * light * (0.5 * body * (1.0 - mirror))
+  vec3 shade = base * light * (0.5 * body * (1.0 - mirror))
              + mirror * (studio(r, finish.x, from_floor) + key.w * 7.0 * (1.0 - finish.x) * lamps(r))
              + directional(vec3(0.0), alpha, n, v, nv, key_to.xyz, key.rgb)
              + directional(vec3(0.0), alpha, n, v, nv, rim_to.xyz, rim.rgb);
-  passed = vec4((1.0 - mirror) * (1.0 - body + 0.5 * body * color.rgb), 0.0);
+  passed = vec4((1.0 - mirror) * (1.0 - body + 0.5 * body * base), 0.0);
   float covered = 1.0 - passed.g;
   result = vec4(tone_map(shade / covered) * covered, 1.0);
 }
@@ -78,19 +87,23 @@ void main() {
 const char* const glass_edge_fragment = R"(
 layout(location = 0, index = 1) out vec4 passed;
 void main() {
-  result = vec4(tone_map(color.rgb * (key.w + 0.5 * inverse_pi * key.rgb)) * 0.35, 1.0);
-  passed = vec4(0.45 * color.rgb, 0.0);
+  vec3 base = own_color();
+  result = vec4(tone_map(base * (key.w + 0.5 * inverse_pi * key.rgb)) * 0.35, 1.0);
+  passed = vec4(0.45 * base, 0.0);
 }
 )";
 
 // A square around the cone that touches the sphere from the eye, across the way to its center.
 const char* const sphere_vertex = R"(
 layout(location = 0) in vec3 position;
+layout(location = 2) in float place;
 uniform float radius;
+flat out float value;
 out vec3 way;          // from the eye
 flat out vec3 center;  // from the eye
 flat out vec3 from_floor;
 void main() {
+  value = place;
   from_floor = floor_light(position);
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   center = position - eye.xyz;
@@ -108,6 +121,7 @@ const char* const sphere_fragment = R"(
 uniform vec4 color;
 uniform vec2 finish;
 uniform float radius;
+flat in float value;
 in vec3 way;
 flat in vec3 center;
 flat in vec3 from_floor;
@@ -131,7 +145,7 @@ void main() {
   vec3 p = eye.xyz + hit;
   vec4 c = clip * vec4(p, 1.0);
   gl_FragDepth = 0.5 + 0.5 * c.z / c.w;
-  vec3 shade = body_color(color.rgb, finish.x, p, normalize(hit - center), from_floor);
+  vec3 shade = body_color(base_color(color.rgb, value), finish.x, p, normalize(hit - center), from_floor);
   result = vec4(dither(tone_map(shade), gl_FragCoord.xy) * color.a, color.a);  // premultiplied
 }
 )";
@@ -315,7 +329,7 @@ ShaderSources::ShaderSources(bool sample_mask) {
   const std::string head = shader_head(sample_mask);
   const std::string color = head + shader_color();
   const std::string lit_vertex = head + shader_floor_light();
-  const std::string light = color + shader_light();
+  const std::string light = color + shader_base_color() + shader_light();
   mesh = {lit_vertex + mesh_vertex, light + mesh_surface + mesh_fragment};
   glass = {lit_vertex + mesh_vertex, light + mesh_surface + glass_fragment};
   glass_edge = {lit_vertex + mesh_vertex, light + mesh_surface + glass_edge_fragment};

@@ -13,8 +13,10 @@ struct ShaderPlaces {
   static constexpr int ground_light = 3;   ///< baked: share of the key light and of the sky on the ground
   static constexpr int ground_key = 4;     ///< on the way to it: the key light's share, noisy
   static constexpr int ground_sky = 5;     ///< and the sky's, coarse
+  static constexpr int color_map = 8;      ///< base colours of values
   static constexpr unsigned position = 0;
   static constexpr unsigned normal = 1;
+  static constexpr unsigned value = 2;  ///< place in the colour map
 };
 
 /// GLSL sources of one program.

@@ -61,6 +61,27 @@ vec3 backdrop_color(vec2 pixel) {
 )";
 }
 
+std::string shader_base_color() {
+  return R"(
+uniform sampler2D color_map;  // 256 colours of the range, then those of below, above and not a number
+uniform int by_value;
+
+// Values are looked up at every pixel: colours mixed between vertices would not be the map's. A loop of length zero costs
+// nothing where there are none: see key_share.
+vec3 base_color(vec3 own, float value) {
+  const float tolerance = 0.5 / 255.0;
+  vec3 base = own;
+  for (int i = 0; i < by_value; ++i) {
+    float texel = 255.0 * clamp(value, 0.0, 1.0);
+    texel = value < -tolerance ? 256.0 : value > 1.0 + tolerance ? 257.0 : texel;
+    texel = isnan(value) ? 258.0 : texel;
+    base = textureLod(color_map, vec2((texel + 0.5) / 259.0, 0.5), 0.0).rgb;
+  }
+  return base;
+}
+)";
+}
+
 std::string shader_floor_light() {
   return R"(
 uniform sampler2D ground_light;

@@ -10,6 +10,9 @@ std::string shader_head(bool sample_mask);
 /// Tone map, dither and the picture's backdrop, for everything that writes colour.
 std::string shader_color();
 
+/// The colour of a body before any light: its own, or that of a value.
+std::string shader_base_color();
+
 /// Light that comes up from the floor, for vertex shaders.
 std::string shader_floor_light();
 
