@@ -1,6 +1,7 @@
 #include "pipeline/drawing.hpp"
 
 #include "pipeline/obstacle_mesh.hpp"
+#include "sim/fields.hpp"
 
 namespace deforma {
 
@@ -22,7 +23,7 @@ bool draws_particles(const Scene& scene) { return scene.output.view != "surface"
 }  // namespace
 
 Snapshot take_snapshot(const Scene& scene, const Solver& solver, int frame) {
-  Snapshot snapshot{frame, (frame - 1) / scene.fps, {}, {}};
+  Snapshot snapshot{frame, (frame - 1) / scene.fps, {}, {}, {}, {}};
   const State& state = solver.state();
   if (draws_surface(scene)) {
     snapshot.points.resize(state.surface.size());
@@ -31,6 +32,12 @@ Snapshot take_snapshot(const Scene& scene, const Solver& solver, int frame) {
   if (draws_particles(scene)) {
     snapshot.particles.reserve(state.size());
     for (std::size_t i = 0; i < state.size(); ++i) snapshot.particles.push_back(state.particles.position(i));
+  }
+  if (scene.output.color_by != "none") {
+    snapshot.point_values.resize(snapshot.points.size());
+    snapshot.particle_values.resize(snapshot.particles.size());
+    evaluate_field(find_field(scene.output.color_by), state, solver.effects(), snapshot.particle_values,
+                   snapshot.point_values);
   }
   return snapshot;
 }
@@ -80,6 +87,10 @@ FrameContent Drawing::content(const Snapshot& snapshot) {
   frame.camera = camera_;
   frame.light = light_;
   if (scene_.ground && scene_.ground->visible) frame.ground = &ground_;
+  if (color_scale_.map) frame.color_scale = &color_scale_;
+  const auto values = [](const std::vector<float>& all, const Range& part) {
+    return all.empty() ? std::span<const float>() : std::span(all).subspan(part.begin, part.size());
+  };
   if (!snapshot.points.empty()) {
     normals_.resize(snapshot.points.size());
     vertex_normals(snapshot.points, state_.surface.triangles, normals_);
@@ -91,12 +102,12 @@ FrameContent Drawing::content(const Snapshot& snapshot) {
     if (!snapshot.particles.empty())
       frame.spheres.push_back(
           {std::span(snapshot.particles).subspan(body.particles.begin, body.particles.size()),
-           ball_radius * body.spacing, look});
+           ball_radius * body.spacing, look, values(snapshot.particle_values, body.particles)});
     if (snapshot.points.empty()) continue;
     if (!snapshot.particles.empty()) look.opacity *= veil;
     frame.meshes.push_back({std::span(snapshot.points).subspan(body.vertices.begin, body.vertices.size()),
                             std::span(normals_).subspan(body.vertices.begin, body.vertices.size()),
-                            triangles_[b], look});
+                            triangles_[b], look, values(snapshot.point_values, body.vertices)});
   }
   for (Prop& prop : props_) {
     if (prop.obstacle->position.varies() || prop.obstacle->rotation.varies()) place(prop, snapshot.time);

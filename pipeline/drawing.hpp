@@ -14,6 +14,9 @@ struct Snapshot {
   double time = 0.0;            ///< [s]
   std::vector<Vec3> points;     ///< of the whole surface, when drawn [m]
   std::vector<Vec3> particles;  ///< when drawn [m]
+  // Of the field that colours them, in its unit; empty without one.
+  std::vector<float> point_values;
+  std::vector<float> particle_values;
 };
 
 /// Copies the state as far as the scene's view needs it.
@@ -26,6 +29,9 @@ class Drawing {
   /// never
   ///        changes is used: bodies, triangles, obstacles
   Drawing(const Scene& scene, const State& state);
+
+  /// Colours all bodies by the values in the snapshots; to be called before the first `content`.
+  void color_by(const ColorScale& scale) { color_scale_ = scale; }
 
   /// The content refers to the snapshot and to this object and is valid until the next call.
   FrameContent content(const Snapshot& snapshot);
@@ -49,6 +55,7 @@ class Drawing {
   DrawnGround ground_;
   Camera camera_;
   Light light_;
+  ColorScale color_scale_;  ///< without a map: by their looks
 };
 
 }  // namespace deforma

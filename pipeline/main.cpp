@@ -62,6 +62,17 @@ struct CommandLine {
     command.add_option("--size", options.size, "Size of the pictures in pixels")->type_name("WxH");
     command.add_option("--view", options.view, "What is drawn: surface, particles or both")
         ->type_name("VIEW");
+    command
+        .add_option("--color-by", options.color_by,
+                    "Colour the bodies by a field: displacement, speed, von_mises, principal_stretch, det_f, "
+                    "energy_density or none")
+        ->type_name("FIELD");
+    command.add_option("--color-map", options.color_map, "viridis, cividis, magma, coolwarm or automatic")
+        ->type_name("MAP");
+    command
+        .add_option("--color-range", options.color_range,
+                    "Values at the ends of the colour map, in SI units; found over the whole run by default")
+        ->type_name("LOW:HIGH");
     command.add_option("--threads", options.threads, "How many threads simulate; all by default")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));

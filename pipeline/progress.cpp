@@ -23,7 +23,8 @@ Progress::Style Progress::style_for(bool quiet) {
   return isatty(STDERR_FILENO) ? Style::bar : Style::lines;
 }
 
-void Progress::begin(int first_frame, int last_frame) {
+void Progress::begin(int first_frame, int last_frame, std::string what) {
+  what_ = std::move(what);
   first_ = first_frame;
   last_ = last_frame;
   said_tenth_ = 0;
@@ -40,8 +41,8 @@ void Progress::frame_done(int frame) {
   if (style_ == Style::bar) {
     constexpr int width = 30;
     int filled = width * done / total;
-    fmt::print(stderr, "\r[{:#>{}}{:.>{}}] frame {}/{}  {:.1f} fps  {} left ", "", filled, "", width - filled,
-               frame, last_, rate, left);
+    fmt::print(stderr, "\r[{:#>{}}{:.>{}}] {} {}/{}  {:.1f} fps  {} left ", "", filled, "", width - filled,
+               what_, frame, last_, rate, left);
     std::fflush(stderr);
     in_bar_ = true;
     return;
@@ -49,7 +50,7 @@ void Progress::frame_done(int frame) {
   int tenth = 10 * done / total;
   if (tenth == said_tenth_) return;
   said_tenth_ = tenth;
-  fmt::print(stderr, "frame {}/{}  {:.1f} fps  {} left\n", frame, last_, rate, left);
+  fmt::print(stderr, "{} {}/{}  {:.1f} fps  {} left\n", what_, frame, last_, rate, left);
 }
 
 void Progress::end() {

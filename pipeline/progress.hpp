@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 
 namespace deforma {
 
@@ -17,7 +18,8 @@ class Progress {
   /// `quiet` when asked for, else by what standard error is.
   static Style style_for(bool quiet);
 
-  void begin(int first_frame, int last_frame);
+  /// @param what is done, one after another
+  void begin(int first_frame, int last_frame, std::string what = "frame");
   void frame_done(int frame);
   void end();  ///< leaves the bar's line, so that what is said next has one of its own
 
@@ -25,6 +27,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   Style style_;
+  std::string what_;
   int first_ = 1;
   int last_ = 1;
   bool in_bar_ = false;  ///< the cursor stands behind a bar

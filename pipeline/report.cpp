@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -71,6 +72,17 @@ json stages_of(const RunRecord& record) {
           {"png", to_json(record.png)},     {"video", to_json(record.video)}};
 }
 
+json to_json(const Coloring& coloring) {
+  const auto finite = [](double value) { return std::isfinite(value) ? json(value) : json(); };
+  return {{"field", coloring.field->name},
+          {"unit", coloring.field->unit},
+          {"map", coloring.scale.map->name},
+          {"range", {coloring.scale.low, coloring.scale.high}},
+          {"automatic", coloring.automatic},
+          {"lowest", finite(coloring.values.lowest())},
+          {"highest", finite(coloring.values.highest())}};
+}
+
 json time_step_of(const SolverStatistics& statistics) {
   return {{"smallest", statistics.smallest_step},
           {"largest", statistics.largest_step},
@@ -105,6 +117,7 @@ std::string make_report(const Scene& scene, const World& world, const RunRecord&
       {"ledger", {{"first_frame", to_json(record.first)}, {"last_frame", to_json(record.last)}}},
       {"warnings", world.warnings},
   };
+  if (record.coloring) report["color"] = to_json(*record.coloring);
   for (const BodyFacts& body : world.bodies) report["bodies"].push_back(to_json(body));
   return report.dump(2) + "\n";
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/build.hpp"
+#include "pipeline/coloring.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/stopwatch.hpp"
 #include "render/context.hpp"
@@ -28,6 +29,7 @@ struct RunRecord {
   Load skin;                    ///< follows the simulation on its thread, so it never waits
   Load draw, png, video;
   Ledger first, last;
+  std::optional<Coloring> coloring;  ///< of bodies by a field
 };
 
 /// report.json: versions, the resolved scene, and what the run did.

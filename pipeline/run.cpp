@@ -5,10 +5,12 @@
 #include <Eigen/Dense>
 
 #include "pipeline/build.hpp"
+#include "pipeline/coloring.hpp"
 #include "pipeline/drawing.hpp"
 #include "pipeline/frame_pipeline.hpp"
 #include "pipeline/framing.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/snapshot_store.hpp"
 #include "pipeline/stopwatch.hpp"
 #include "pipeline/user_error.hpp"
 #include "render/video.hpp"
@@ -66,7 +68,7 @@ void warn_of_inversion(const State& state, double time, std::vector<std::string>
 
 /// Simulates up to the last frame and hands over those asked for.
 void simulate(const Scene& scene, Solver& solver, const FrameRange& frames, const RunOptions& options,
-              FramePipeline& pipeline, RunRecord& record) {
+              const std::function<void(Snapshot)>& hand_over, RunRecord& record) {
   Stopwatch watch;
   for (int frame = 1; frame <= frames.last; ++frame) {
     if (options.stop_requested && options.stop_requested()) {
@@ -87,10 +89,40 @@ void simulate(const Scene& scene, Solver& solver, const FrameRange& frames, cons
     if (frame < frames.first) continue;
     watch.lap();
     Snapshot snapshot = take_snapshot(scene, solver, frame);
+    if (record.coloring) record.coloring->add(scene, solver.state(), snapshot);
     record.skin.busy += watch.lap();
-    pipeline.push(std::move(snapshot));
+    hand_over(std::move(snapshot));
     record.simulate.wait += watch.lap();
   }
+}
+
+/// Simulates all frames before the first is drawn, for what their colours mean is known only then.
+void simulate_ahead(const Scene& scene, Solver& solver, const FrameRange& frames, const RunOptions& options,
+                    const std::filesystem::path& folder, Progress& progress, RunRecord& record,
+                    const std::function<void(Snapshot)>& hand_over) {
+  SnapshotStore store(folder);
+  progress.begin(frames.first, frames.last, "simulated frame");
+  simulate(
+      scene, solver, frames, options,
+      [&](Snapshot snapshot) {
+        store.push(snapshot);
+        progress.frame_done(snapshot.frame);
+      },
+      record);
+  progress.end();
+  record.coloring->settle();
+  progress.begin(frames.first, frames.last);
+  Stopwatch watch;
+  while (std::optional<Snapshot> snapshot = store.pop()) {
+    // What an interrupted simulation has left is drawn; an interrupt that comes later ends the drawing.
+    if (record.ending == Ending::complete && options.stop_requested && options.stop_requested()) {
+      record.ending = Ending::interrupted;
+      record.ending_message = fmt::format("stopped before frame {} was drawn", snapshot->frame);
+      break;
+    }
+    hand_over(std::move(*snapshot));
+  }
+  record.simulate.wait += watch.lap();
 }
 
 }  // namespace
@@ -99,6 +131,7 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
   RunRecord record;
   Stopwatch whole, watch;
   FrameRange frames = frames_of(scene, options);
+  record.coloring = Coloring::of(scene);
   OutputFolder folder(options.folder, options.overwrite);
 
   // The renderer starts up while the world is built.
@@ -130,7 +163,16 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
                        const Snapshot& snapshot) { return renderer.draw(drawing.content(snapshot)); },
                    std::move(writers));
     record.first = world.solver->ledger();
-    simulate(scene, *world.solver, frames, options, pipeline, record);
+    bool colors_known = !record.coloring;
+    const auto hand_over = [&](Snapshot snapshot) {
+      if (!colors_known) drawing.color_by(record.coloring->scale);
+      colors_known = true;
+      pipeline.push(std::move(snapshot));
+    };
+    if (record.coloring && record.coloring->automatic)
+      simulate_ahead(scene, *world.solver, frames, options, folder.path(), progress, record, hand_over);
+    else
+      simulate(scene, *world.solver, frames, options, hand_over, record);
     Stopwatch rest;
     pipeline.finish();
     record.simulate.wait += rest.lap();

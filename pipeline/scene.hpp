@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -16,10 +17,14 @@ namespace deforma {
 struct OutputSpec {
   int width = 1280;
   int height = 720;
-  std::string video = "mp4";     ///< container, or "none"
-  int crf = 18;                  ///< constant rate factor of the video, lower is better
-  std::string view = "surface";  ///< or "particles", "both"
-  int samples = 4;               ///< multisampling
+  std::string video = "mp4";      ///< container, or "none"
+  int crf = 18;                   ///< constant rate factor of the video, lower is better
+  std::string view = "surface";   ///< or "particles", "both"
+  int samples = 4;                ///< multisampling
+  std::string color_by = "none";  ///< a field, whose values colour the bodies
+  std::string color_map = "automatic";
+  std::optional<std::array<double, 2>>
+      color_range;  ///< [SI unit of the field]; found over the run when absent
 };
 
 struct SolverSpec {

@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "pipeline/scene.hpp"
+#include "render/color_map.hpp"
+#include "sim/fields.hpp"
 #include "sim/kernel.hpp"
 #include "sim/moving_least_squares.hpp"
 
@@ -19,6 +21,14 @@ inline constexpr std::array<std::string_view, 3> sampling_choices = {"lattice", 
 
 inline constexpr std::array<std::string_view, 3> mass_rule_choices = {"cell", "equal", "paper"};
 
+/// The names of a registry after the word for none of them, or for any.
+inline std::vector<std::string_view> choices_after(std::string_view first,
+                                                   std::span<const std::string_view> names) {
+  std::vector<std::string_view> choices = {first};
+  choices.insert(choices.end(), names.begin(), names.end());
+  return choices;
+}
+
 template <typename Io>
 void describe(Io& io, OutputSpec& output) {
   io.size("size", output.width, output.height);
@@ -26,6 +36,9 @@ void describe(Io& io, OutputSpec& output) {
   io.value("crf", output.crf, 0, 51);
   io.choice("view", output.view, view_choices);
   io.value("samples", output.samples, 1, 32);
+  io.choice("color_by", output.color_by, choices_after("none", field_names()));
+  io.choice("color_map", output.color_map, choices_after("automatic", color_map_names()));
+  io.range("color_range", output.color_range);
 }
 
 template <typename Io>

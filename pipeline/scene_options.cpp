@@ -32,6 +32,16 @@ Scene SceneOptions::load() const {
   }
   if (portable) overrides.push_back({"solver.portable", "true", "--portable"});
   if (!view.empty()) overrides.push_back({"output.view", view, "--view " + view});
+  if (!color_by.empty()) overrides.push_back({"output.color_by", color_by, "--color-by " + color_by});
+  if (!color_map.empty()) overrides.push_back({"output.color_map", color_map, "--color-map " + color_map});
+  if (!color_range.empty()) {
+    const std::size_t colon = color_range.find(':');
+    if (colon == color_range.npos)
+      throw UserError(fmt::format("--color-range {}: expected LOW:HIGH, such as 0:2e4", color_range));
+    overrides.push_back({"output.color_range",
+                         fmt::format("[{}, {}]", color_range.substr(0, colon), color_range.substr(colon + 1)),
+                         "--color-range " + color_range});
+  }
   return load_scene(find_scene(scene), overrides);
 }
 

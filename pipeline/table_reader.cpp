@@ -226,6 +226,19 @@ void TableReader::scale(std::string_view key, Vec3& factors) {
     fail(*node, path, fmt::format("{} is outside (0, inf)", found_text(*node)));
 }
 
+void TableReader::range(std::string_view key, std::optional<std::array<double, 2>>& range) {
+  const toml::node* node = take(key);
+  if (!node) return;
+  const std::string path = path_of(key);
+  const toml::array* array = node->as_array();
+  if (!array || array->size() != 2)
+    fail(*node, path, fmt::format("expected two numbers [low, high], found {}", found_text(*node)));
+  const double low = read_number((*array)[0], path), high = read_number((*array)[1], path);
+  if (!std::isfinite(low) || !std::isfinite(high) || !(low < high))
+    fail(*node, path, fmt::format("expected low below high, both finite, found {}", found_text(*node)));
+  range = {low, high};
+}
+
 std::vector<const toml::table*> TableReader::tables(std::string_view key) {
   std::vector<const toml::table*> found;
   const toml::node* node = take(key);

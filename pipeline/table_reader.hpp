@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,6 +58,7 @@ class TableReader {
   void color(std::string_view key, Vec3& rgb);               ///< "#rrggbb" or [r, g, b] in [0, 1]
   void size(std::string_view key, int& width, int& height);  ///< [width, height] in pixels
   void scale(std::string_view key, Vec3& factors);           ///< one positive number or three
+  void range(std::string_view key, std::optional<std::array<double, 2>>& range);  ///< [low, high], finite
 
   /// Calls `describe(TableReader&)` with the table at `key`, when there is one, and checks that nothing is
   /// left over.

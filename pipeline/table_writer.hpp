@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,6 +33,9 @@ class TableWriter {
     table_.insert_or_assign(key, toml::array{width, height});
   }
   void scale(std::string_view key, const Vec3& factors) { put(key, factors); }
+  void range(std::string_view key, const std::optional<std::array<double, 2>>& range) {
+    if (range) table_.insert_or_assign(key, toml::array{(*range)[0], (*range)[1]});
+  }
   template <typename Describe>
   void table(std::string_view key, const Describe& describe) {
     TableWriter writer;
