@@ -8,6 +8,7 @@
 #include "pipeline/coloring.hpp"
 #include "pipeline/drawing.hpp"
 #include "pipeline/frame_pipeline.hpp"
+#include "pipeline/frame_text.hpp"
 #include "pipeline/framing.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/snapshot_store.hpp"
@@ -147,11 +148,13 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
 
   folder.create();
   std::optional<VideoWriter> video = open_video(scene, folder);
-  write_text(folder.scene_file(), scene_to_toml(scene));
+  const std::string scene_text = scene_to_toml(scene);
+  const std::string scene_hash = sha256(scene_text);
+  write_text(folder.scene_file(), scene_text);
   Progress progress(options.progress);
   progress.begin(frames.first, frames.last);
   std::vector<FramePipeline::Write> writers = {[&](int frame, const Image& image) {
-    write_png(folder.frame_file(frame), image, {{"Software", version_text()}, {"Title", scene.name}});
+    write_png(folder.frame_file(frame), image, frame_text(scene, scene_hash, frame));
     folder.keep();  // a finished frame is worth keeping, whatever happens later
     ++record.frames_written;
     progress.frame_done(frame);

@@ -16,7 +16,9 @@ struct Image {
 };
 
 /// Writes a PNG to a temporary name beside `file` and renames it, so that no half file is ever seen.
-/// @param text key and value of tEXt chunks
+/// The same image and text give the same bytes. Opaque images are stored without their alpha.
+/// @param text key (1 to 79 printable ASCII characters) and value (UTF-8); tEXt chunks, iTXt where a value needs more
+///        than ASCII
 /// @throws std::runtime_error naming the file when it cannot be written; nothing is left behind.
 void write_png(const std::filesystem::path& file, const Image& image,
                const std::vector<std::pair<std::string, std::string>>& text = {});

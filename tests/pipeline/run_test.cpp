@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pipeline/files.hpp"
+#include "pipeline/frame_text.hpp"
 #include "pipeline/user_error.hpp"
 #include "render/image.hpp"
 #include "render/video.hpp"
@@ -71,6 +72,28 @@ TEST(Run, WritesFramesVideoReportAndScene) {
   EXPECT_EQ(first.height, 240);
   EXPECT_GT(colors_in(first), 50u);
   EXPECT_GT(differing_pixels(first, last), 300u);
+}
+
+TEST(Run, EveryFrameSaysWhatItShows) {
+  Scratch scratch;
+  run_text(scratch, "name = \"falls\"\n" + small_scene(), "first", FrameRange{3, 4});
+  run_text(scratch, "name = \"falls\"\n" + small_scene(), "second", FrameRange{4, 4});
+  const std::string frame = read_text_file(scratch / "first/frames/0004.png");
+  EXPECT_EQ(frame, read_text_file(scratch / "second/frames/0004.png"))
+      << "nothing of it depends on when it ran";
+  auto holds = [&](const std::string& key, const std::string& value) {
+    EXPECT_THAT(frame, HasSubstr(std::string("tEXt") + key + '\0' + value));
+  };
+  holds("Title", "falls");
+  holds("Software", version_text());
+  holds("Frame", "4");
+  holds("Time", "0.12 s");
+  holds("Scene-SHA256", sha256(read_text_file(scratch / "first/scene.toml")));
+}
+
+TEST(FrameText, HashesAsTheStandardSays) {
+  // FIPS 180-4, example of the one-block message.
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 TEST(Run, TheResolvedSceneGivesTheSamePictures) {

@@ -58,6 +58,23 @@ TEST(Image, WritesTheSameBytesTwiceAndCarriesText) {
   EXPECT_THAT(bytes_of(folder / "a.png"), HasSubstr("sRGB"));
 }
 
+TEST(Image, CarriesTextBeyondAsciiAsUtf8) {
+  const Folder folder("image_utf8");
+  write_png(folder / "a.png", colorful(20, 10, true), {{"Title", "W\u00fcrfel"}});
+  EXPECT_THAT(bytes_of(folder / "a.png"), HasSubstr(std::string("iTXtTitle\0\0\0\0\0W\u00fcrfel", 21)));
+  EXPECT_EQ(read_png(folder / "a.png").rgba, colorful(20, 10, true).rgba);
+}
+
+TEST(Image, IsSmallerThanItsPixels) {
+  const Folder folder("image_size");
+  Image image{256, 256, {}};
+  for (int i = 0; i < 256 * 256; ++i)
+    for (const int level : {i / 256, i % 4 + 100, 60, 255})
+      image.rgba.push_back(static_cast<std::uint8_t>(level));
+  write_png(folder / "a.png", image);
+  EXPECT_LT(std::filesystem::file_size(folder / "a.png"), 256u * 256u * 3u / 50u);
+}
+
 /// Writes by libpng itself, in kinds that write_png never makes. `rows` hold packed pixels.
 void write_kind(const std::filesystem::path& file, int width, int height, int depth, int color,
                 bool interlaced, std::vector<std::vector<std::uint8_t>> rows) {

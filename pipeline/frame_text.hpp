@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "pipeline/scene.hpp"
+
+namespace deforma {
+
+/// SHA-256 in hexadecimal digits, as `sha256sum` prints it. Source: FIPS 180-4, by libavutil.
+std::string sha256(std::string_view text);
+
+/// What a frame's PNG says of itself: Title, Software, Scene-SHA256, Frame (counted from 1) and Time [s]. The same at
+/// every run, so that the same picture is the same file.
+/// @param scene_hash of the resolved scene's text, which is that of scene.toml beside the frames
+std::vector<std::pair<std::string, std::string>> frame_text(const Scene& scene, const std::string& scene_hash,
+                                                            int frame);
+
+}  // namespace deforma
