@@ -92,6 +92,16 @@ struct CommandLine {
     command
         ->add_option("--platform", options.platform, "Where to draw: auto, device:N, surfaceless or default")
         ->type_name("PLATFORM");
+    command->add_option("--video", options.scene.video, "Kind of video: mp4, mkv, mov, webm, gif or none")
+        ->type_name("KIND");
+    command
+        ->add_option("--codec", options.scene.codec, "Encoder, such as libx264, libx265, libvpx-vp9 or ffv1")
+        ->type_name("NAME");
+    command->add_option("--preset", options.scene.preset, "Of the encoder: less time or fewer bytes")
+        ->type_name("NAME");
+    command->add_option("--crf", options.scene.crf, "Quality of the video, lower is better")->type_name("N");
+    command->add_option("--pix-fmt", options.scene.pixel_format, "Pixel format of the video, such as yuv444p")
+        ->type_name("NAME");
     command->add_flag("--no-video", options.no_video, "Write the frames only");
     command->add_flag("--overwrite", options.overwrite,
                       "Replace the frames, video and report of an earlier run");

@@ -7,6 +7,7 @@
 #include "pipeline/build.hpp"
 #include "pipeline/coloring.hpp"
 #include "pipeline/drawing.hpp"
+#include "pipeline/encoding_keys.hpp"
 #include "pipeline/frame_pipeline.hpp"
 #include "pipeline/frame_text.hpp"
 #include "pipeline/framing.hpp"
@@ -40,7 +41,7 @@ std::optional<VideoWriter> open_video(const Scene& scene, const OutputFolder& fo
   if (scene.output.video == "none") return std::nullopt;
   try {
     return VideoWriter(folder.video_file(scene.output.video),
-                       {scene.output.width, scene.output.height, scene.fps, scene.output.crf});
+                       {scene.output.width, scene.output.height, scene.fps, encoding_request(scene.output)});
   } catch (const std::invalid_argument& error) {
     throw UserError(error.what());
   }

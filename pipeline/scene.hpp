@@ -17,8 +17,10 @@ namespace deforma {
 struct OutputSpec {
   int width = 1280;
   int height = 720;
-  std::string video = "mp4";      ///< container, or "none"
-  int crf = 18;                   ///< constant rate factor of the video, lower is better
+  std::string video = "mp4";  ///< container, or "none"
+  // How the video is encoded, as in EncodingRequest; `load_scene` fills in what the encoder has.
+  std::optional<std::string> codec, preset, pixel_format;
+  std::optional<int> crf;
   std::string view = "surface";   ///< or "particles", "both"
   int samples = 4;                ///< multisampling
   std::string color_by = "none";  ///< a field, whose values colour the bodies

@@ -13,7 +13,7 @@
 // which have the same methods. Effects, shapes and obstacles have registries of their own.
 namespace deforma {
 
-inline constexpr std::array<std::string_view, 5> video_choices = {"mp4", "mkv", "mov", "webm", "none"};
+inline constexpr std::array<std::string_view, 6> video_choices = {"mp4", "mkv", "mov", "webm", "gif", "none"};
 inline constexpr std::array<std::string_view, 3> view_choices = {"surface", "particles", "both"};
 inline constexpr std::array<std::string_view, 2> integrator_choices = {"symplectic_euler", "velocity_verlet"};
 inline constexpr std::array<std::string_view, 3> sampling_choices = {"lattice", "body_centered",
@@ -33,7 +33,10 @@ template <typename Io>
 void describe(Io& io, OutputSpec& output) {
   io.size("size", output.width, output.height);
   io.choice("video", output.video, video_choices);
-  io.value("crf", output.crf, 0, 51);
+  io.value("codec", output.codec);
+  io.value("preset", output.preset);
+  io.value("pix_fmt", output.pixel_format);
+  io.value("crf", output.crf, 0, 63);
   io.choice("view", output.view, view_choices);
   io.value("samples", output.samples, 1, 32);
   io.choice("color_by", output.color_by, choices_after("none", field_names()));

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <charconv>
 
 #include "pipeline/files.hpp"
@@ -31,9 +32,16 @@ Scene SceneOptions::load() const {
     overrides.push_back({"output.size", fmt::format("[{}, {}]", *width, *height), "--size " + size});
   }
   if (portable) overrides.push_back({"solver.portable", "true", "--portable"});
-  if (!view.empty()) overrides.push_back({"output.view", view, "--view " + view});
-  if (!color_by.empty()) overrides.push_back({"output.color_by", color_by, "--color-by " + color_by});
-  if (!color_map.empty()) overrides.push_back({"output.color_map", color_map, "--color-map " + color_map});
+  const std::array<std::array<std::string, 3>, 8> plain = {{{"view", "view", view},
+                                                            {"color-by", "color_by", color_by},
+                                                            {"color-map", "color_map", color_map},
+                                                            {"video", "video", video},
+                                                            {"codec", "codec", codec},
+                                                            {"preset", "preset", preset},
+                                                            {"pix-fmt", "pix_fmt", pixel_format},
+                                                            {"crf", "crf", crf}}};
+  for (const auto& [option, key, value] : plain)
+    if (!value.empty()) overrides.push_back({"output." + key, value, fmt::format("--{} {}", option, value)});
   if (!color_range.empty()) {
     const std::size_t colon = color_range.find(':');
     if (colon == color_range.npos)

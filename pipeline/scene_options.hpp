@@ -16,9 +16,10 @@ struct SceneOptions {
   std::string size;               ///< WxH
   std::string view;
   std::string color_by, color_map;
-  std::string color_range;  ///< LOW:HIGH
-  int threads = 0;          ///< 0: all
-  bool portable = false;    ///< whatever the scene says
+  std::string color_range;                              ///< LOW:HIGH
+  std::string video, codec, preset, pixel_format, crf;  ///< as the keys of [output]
+  int threads = 0;                                      ///< 0: all
+  bool portable = false;                                ///< whatever the scene says
 
   /// @throws UserError as `load_scene`, and for an option that is not of its form.
   Scene load() const;

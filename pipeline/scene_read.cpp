@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "pipeline/encoding_keys.hpp"
 #include "pipeline/files.hpp"
 #include "pipeline/overrides.hpp"
 #include "pipeline/scene.hpp"
@@ -211,6 +212,7 @@ Scene load_scene(const std::filesystem::path& file, const std::vector<Override>&
   std::vector<const toml::table*> bodies = reader.tables("body");
   std::vector<const toml::table*> obstacles = reader.tables("obstacle");
   reader.finish();
+  resolve_encoding(root, scene.output);
   if (bodies.empty())
     throw UserError(fmt::format("{}: no [[body]]: a scene needs at least one", file.string()));
   if (scene.duration * scene.fps > 1e6)

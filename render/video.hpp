@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "render/encoding.hpp"
 #include "render/image.hpp"
 
 namespace deforma {
@@ -11,21 +12,23 @@ struct VideoSettings {
   int width = 1280;
   int height = 720;
   double fps = 25.0;
-  int crf = 18;  ///< constant rate factor, lower is better
+  EncodingRequest encoding = {};
 };
 
-/// Encodes frames to a file whose container follows from its extension (mp4, mkv, mov, webm, gif). H.264
-/// yuv420p where the container takes it, BT.709 tagged, index at the front. Odd sizes are padded by one row
-/// or column. Written under a temporary name and renamed by `close`.
+/// Encodes frames to a file whose container follows from its extension (mp4, mkv, mov, webm, gif). BT.709 tagged, mp4 and
+/// mov with the index at the front. Odd sizes are padded by one row or column, unless red, green and blue are kept as
+/// they are. Written under a temporary name and renamed by `close`.
 class VideoWriter {
  public:
   /// @throws std::invalid_argument for settings out of range or an unknown extension (the message lists
-  /// them);
+  /// them), EncodingError for an encoding that cannot be had;
   ///         std::runtime_error naming the file when it cannot be opened or no encoder is there.
   VideoWriter(const std::filesystem::path& file, const VideoSettings& settings);
   ~VideoWriter();  ///< without `close`, removes what was written
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) noexcept;
+
+  const Encoding& encoding() const;  ///< what was chosen
 
   void add(const Image& frame);  ///< @throws std::invalid_argument for another size, std::runtime_error
   void close();                  ///< flushes, finishes the container and renames; @throws std::runtime_error

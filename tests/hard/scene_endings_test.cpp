@@ -106,7 +106,7 @@ TEST(HardCase, AFullDiskIsToldByItsCause) {
       {4, "--size 1280x960 --no-video", "frames/0001.png': ", 0},
       {40, "--size 1280x960", "frames/0001.png': ", 0},
       // A frame takes 17 kB, the video 31 kB.
-      {46, "--size 160x120 --set output.crf=0", "video.mp4': finishing: ", 10},
+      {46, "--size 160x120 --crf 0 --preset medium", "video.mp4': finishing: ", 10},
   };
   for (const Case& given : cases) {
     Scratch scratch;

@@ -50,6 +50,30 @@ TEST(Program, UnknownArgumentsAreToldWithTheNearest) {
   EXPECT_EQ(deforma_program("run a.toml --threads 0").code, 2);
 }
 
+TEST(Program, RefusesAnEncodingByNameWithTheNearest) {
+  Scratch scratch;
+  const fs::path scene = scratch.write("scene.toml", small_scene());
+  auto refuses = [&](const std::string& options, const std::string& message) {
+    Said said = deforma_program(run_line(scene, scratch / "out", options));
+    EXPECT_EQ(said.code, 2) << options;
+    EXPECT_THAT(said.text, HasSubstr(message));
+    EXPECT_FALSE(fs::exists(scratch / "out"));
+  };
+  refuses("--codec libx246",
+          "--codec libx246: output.codec: 'libx246' is no encoder for a video in mp4 (allowed: libx264");
+  refuses("--codec libx246", "did you mean 'libx264'?");
+  refuses("--preset veryfat",
+          "output.preset: 'veryfat' is no preset of libx264 (allowed: ultrafast, superfast, ");
+  refuses("--preset veryfat", "did you mean 'veryfast'?");
+  refuses("--pix-fmt yuv420", "output.pix_fmt: 'yuv420' is no pixel format of libx264 (allowed: yuv420p, ");
+  refuses("--crf 60", "--crf 60: output.crf: the crf of libx264 is from 0 to 51, not 60");
+  refuses("--crf good", "--crf good: output.crf: expected");
+  refuses("--video webm --preset fast", "output.preset: the codec libvpx-vp9 has no presets; leave it out");
+  refuses("--video avi", "--video avi: output.video: unknown choice 'avi'");
+  refuses("--set output.codec=ffv1",
+          "--set output.codec=ffv1: output.codec: 'ffv1' is no encoder for a video in mp4");
+}
+
 TEST(Program, EffectsListsTheWholeRegistry) {
   Said said = deforma_program("effects");
   EXPECT_EQ(said.code, 0);

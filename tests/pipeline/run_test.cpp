@@ -74,6 +74,25 @@ TEST(Run, WritesFramesVideoReportAndScene) {
   EXPECT_GT(differing_pixels(first, last), 300u);
 }
 
+TEST(Run, EncodesAsTheSceneSays) {
+  Scratch scratch;
+  std::string text = small_scene();
+  text.insert(text.find("size ="), "video = \"mkv\"\ncodec = \"ffv1\"\npix_fmt = \"bgra\"\n");
+  run_text(scratch, text, "lossless", FrameRange{1, 3});
+  VideoFacts video = inspect_video(scratch / "lossless/video.mkv");
+  EXPECT_EQ(video.codec, "ffv1");
+  EXPECT_EQ(video.pixel_format, "bgra");
+  EXPECT_EQ(video.frames, 3u);
+
+  text = small_scene();
+  text.insert(text.find("size ="), "video = \"gif\"\n");
+  run_text(scratch, text, "gif", FrameRange{1, 3});
+  EXPECT_EQ(inspect_video(scratch / "gif/video.gif").codec, "gif");
+  const std::string scene = read_text_file(scratch / "gif/scene.toml");
+  EXPECT_THAT(scene, HasSubstr("codec = \"gif\""));
+  EXPECT_THAT(scene, testing::Not(HasSubstr("crf"))) << "which that codec does not have";
+}
+
 TEST(Run, EveryFrameSaysWhatItShows) {
   Scratch scratch;
   run_text(scratch, "name = \"falls\"\n" + small_scene(), "first", FrameRange{3, 4});

@@ -62,6 +62,19 @@ libav::Frame first_picture(const std::filesystem::path& file) {
   return frame;
 }
 
+/// A decoded picture as a player would show it, without the tags that only swscale needs to be told.
+Image rgba_of(const AVFrame& frame) {
+  Image image{frame.width, frame.height,
+              std::vector<std::uint8_t>(4 * static_cast<std::size_t>(frame.width * frame.height))};
+  const libav::Scaler scaler(sws_getContext(
+      frame.width, frame.height, static_cast<AVPixelFormat>(frame.format), frame.width, frame.height,
+      AV_PIX_FMT_RGBA, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr));
+  std::uint8_t* rows[] = {image.rgba.data()};
+  const int stride[] = {4 * frame.width};
+  sws_scale(scaler.get(), frame.data, frame.linesize, 0, frame.height, rows, stride);
+  return image;
+}
+
 std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream input(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(input), {}};
@@ -213,8 +226,8 @@ TEST(Video, RefusesByMessage) {
   settings.width = 0;
   refuses("a.mp4", settings, "0 x 720");
   settings = {};
-  settings.crf = 52;
-  refuses("a.mp4", settings, "crf");
+  settings.encoding.crf = 52;
+  refuses("a.mp4", settings, "the crf of libx264 is from 0 to 51, not 52");
   settings = {};
   EXPECT_THAT(
       [&] { VideoWriter writer(folder / "no/such/a.mp4", settings); },
@@ -232,6 +245,129 @@ TEST(Video, InspectRefusesWhatIsNoVideo) {
   std::ofstream(folder / "text.mp4") << "not a video at all";
   EXPECT_THAT([&] { inspect_video(folder / "text.mp4"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("text.mp4")));
+}
+
+struct Wish {
+  const char* extension;
+  const char* codec;
+  const char* pixel_format;  // empty: the encoder's own
+  const char* kind;          // of the codec
+  const char* found;         // pixel format in the file
+};
+
+class VideoCodecs : public testing::TestWithParam<Wish> {};
+
+TEST_P(VideoCodecs, AreWrittenAndReadBack) {
+  const Folder folder(std::string("video_codec_") + GetParam().codec + (GetParam().extension + 1));
+  const auto file = folder / (std::string("a") + GetParam().extension);
+  VideoSettings settings;
+  settings.width = 97;
+  settings.height = 63;
+  settings.encoding.codec = GetParam().codec;
+  settings.encoding.pixel_format = GetParam().pixel_format;
+  write_video(file, settings, 12);
+  const VideoFacts facts = inspect_video(file);
+  EXPECT_EQ(facts.frames, 12u);
+  EXPECT_EQ(facts.codec, GetParam().kind);
+  EXPECT_EQ(facts.pixel_format, GetParam().found);
+  EXPECT_NEAR(facts.duration, 12 / 25.0, 0.011);
+  const bool rgb = (av_pix_fmt_desc_get(av_get_pix_fmt(GetParam().found))->flags & AV_PIX_FMT_FLAG_RGB) != 0;
+  EXPECT_EQ(facts.width, rgb ? 97 : 98);
+  EXPECT_EQ(facts.height, rgb ? 63 : 64);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VideoCodecs,
+                         testing::Values(Wish{".mp4", "libx265", "", "hevc", "yuv420p"},
+                                         Wish{".mp4", "libx264", "yuv444p", "h264", "yuv444p"},
+                                         Wish{".mkv", "libx264rgb", "", "h264", "gbrp"},
+                                         Wish{".mkv", "ffv1", "", "ffv1", "bgr0"},
+                                         Wish{".mkv", "libvpx-vp9", "", "vp9", "yuv420p"},
+                                         Wish{".mkv", "png", "", "png", "rgb24"},
+                                         Wish{".mov", "prores_ks", "", "prores", "yuv422p10le"},
+                                         Wish{".mov", "qtrle", "", "qtrle", "rgb24"},
+                                         Wish{".mov", "libx265", "yuv420p10le", "hevc", "yuv420p10le"},
+                                         Wish{".mp4", "mpeg4", "", "mpeg4", "yuv420p"}),
+                         [](const auto& wish) {
+                           std::string name = std::string(wish.param.extension + 1) + "_" + wish.param.codec +
+                                              wish.param.pixel_format;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(VideoCodec, LosslessOnesKeepEveryPixel) {
+  const Folder folder("video_lossless");
+  VideoSettings settings;
+  settings.width = 97;
+  settings.height = 63;
+  const Image source = frame_of(97, 63, 0);
+  for (const auto& [name, codec, crf] : {std::tuple{"a.mkv", "ffv1", std::optional<int>()},
+                                         {"b.mkv", "libx264rgb", std::optional<int>(0)},
+                                         {"c.mov", "qtrle", std::optional<int>()},
+                                         {"d.mov", "png", std::optional<int>()}}) {
+    settings.encoding = {codec, "", "", crf};
+    write_video(folder / name, settings, 3);
+    const libav::Frame picture = first_picture(folder / name);
+    EXPECT_EQ(rgba_of(*picture).rgba, source.rgba) << codec;
+    EXPECT_EQ(picture->color_range == AVCOL_RANGE_MPEG, false) << codec;
+  }
+}
+
+TEST(VideoCodec, PresetsAndRateFactorsReachTheEncoder) {
+  const Folder folder("video_effort");
+  VideoSettings settings;
+  settings.width = 320;
+  settings.height = 240;
+  const auto size = [&](const std::string& preset, int crf) {
+    settings.encoding = {"libx264", preset, "", crf};
+    const auto file = folder / "a.mkv";
+    write_video(file, settings, 20);
+    return bytes_of(file);
+  };
+  EXPECT_GT(size("veryfast", 0).size(), 1.2 * size("veryfast", 51).size());
+  EXPECT_NE(size("ultrafast", 18), size("slow", 18));
+}
+
+TEST(VideoCodec, TheDefaultsAreThoseOfTheContainer) {
+  const auto chosen = [](const char* container, EncodingRequest request = {}) {
+    const Encoding encoding = choose_encoding(container, request);
+    return std::tuple(encoding.codec, encoding.preset, encoding.pixel_format, encoding.crf);
+  };
+  using Chosen = std::tuple<std::string, std::string, std::string, std::optional<int>>;
+  EXPECT_EQ(chosen("mp4"), Chosen("libx264", "veryfast", "yuv420p", 18));
+  EXPECT_EQ(chosen("webm"), Chosen("libvpx-vp9", "", "yuv420p", 24));
+  EXPECT_EQ(chosen("gif"), Chosen("gif", "", "pal8", std::nullopt));
+  EXPECT_EQ(chosen("mkv", {"ffv1", "", "", std::nullopt}), Chosen("ffv1", "", "bgr0", std::nullopt));
+}
+
+TEST(VideoCodec, WishesAreRefusedWithWhatIsAllowed) {
+  const auto refuses = [](const char* container, const EncodingRequest& request, const std::string& key,
+                          const std::string& message, const std::string& allowed) {
+    try {
+      choose_encoding(container, request);
+      ADD_FAILURE() << message;
+    } catch (const EncodingError& error) {
+      EXPECT_EQ(error.key, key);
+      EXPECT_THAT(error.what(), HasSubstr(message));
+      EXPECT_TRUE(allowed.empty() || std::count(error.allowed.begin(), error.allowed.end(), allowed) == 1);
+    }
+  };
+  refuses("avi", {}, "video", "'avi' is no kind of video file", "mp4");
+  refuses("mp4", {"x264"}, "codec", "'x264' is no encoder for a video in mp4", "libx264");
+  refuses("webm", {"libx264"}, "codec", "'libx264' is no encoder for a video in webm", "libvpx-vp9");
+  refuses("mp4", {"", "quick"}, "preset", "'quick' is no preset of libx264", "veryfast");
+  refuses("webm", {"", "fast"}, "preset", "libvpx-vp9 has no presets", "");
+  refuses("mp4", {"", "", "yuv420"}, "pix_fmt", "'yuv420' is no pixel format of libx264", "yuv420p");
+  refuses("gif", {"", "", "rgb8"}, "pix_fmt", "'rgb8' is no pixel format of gif", "pal8");
+  refuses("mkv", {"ffv1", "", "", 18}, "crf", "ffv1 has no crf", "");
+  refuses("webm", {"", "", "", 64}, "crf", "the crf of libvpx-vp9 is from 0 to 63, not 64", "");
+  EncodingRequest transparent;
+  transparent.transparent = true;
+  refuses("mp4", transparent, "video", "'mp4' carries no transparency", "mov");
+  refuses("gif", transparent, "video", "'gif' carries no transparency", "webm");
+  transparent.codec = "libx264";
+  refuses("mov", transparent, "codec", "'libx264' carries no transparency in mov", "prores_ks");
+  transparent = {"ffv1", "", "yuv420p", std::nullopt, true};
+  refuses("mkv", transparent, "pix_fmt", "'yuv420p' is no pixel format with transparency of ffv1", "bgra");
 }
 
 TEST(Palette, KeepsFewColoursAsTheyAre) {
