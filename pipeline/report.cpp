@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -83,6 +84,16 @@ json to_json(const Coloring& coloring) {
           {"highest", finite(coloring.values.highest())}};
 }
 
+/// Means over the frames [s].
+json to_json(const DrawingCost& cost) {
+  const double frames = std::max(cost.frames, 1);
+  return {{"upload", cost.upload / frames},
+          {"shadow", cost.shadow / frames},
+          {"shading", cost.shading / frames},
+          {"resolve", cost.resolve / frames},
+          {"readback", cost.readback / frames}};
+}
+
 json time_step_of(const SolverStatistics& statistics) {
   return {{"smallest", statistics.smallest_step},
           {"largest", statistics.largest_step},
@@ -108,6 +119,7 @@ std::string make_report(const Scene& scene, const World& world, const RunRecord&
       {"frames", record.frames_written},
       {"seconds", record.seconds},
       {"stage_seconds", stages_of(record)},
+      {"drawing_seconds_per_frame", to_json(record.drawing)},
       {"frames_per_second", rate},
       {"milliseconds_per_iteration", 1e3 * per_substep},
       {"paper", {{"FPS", rate}, {"TPIS", per_substep}}},

@@ -28,6 +28,7 @@ struct RunRecord {
   Load simulate;                ///< waits for the drawing, which it may be only so far ahead of
   Load skin;                    ///< follows the simulation on its thread, so it never waits
   Load draw, png, video;
+  DrawingCost drawing;  ///< of which `draw` is made up
   Ledger first, last;
   std::optional<Coloring> coloring;  ///< of bodies by a field
 };

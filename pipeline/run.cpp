@@ -163,9 +163,13 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
   if (video) writers.push_back([&](int, const Image& image) { video->add(image); });
   watch.lap();
   try {
-    pipeline.start([&](Renderer& renderer,
-                       const Snapshot& snapshot) { return renderer.draw(drawing.content(snapshot)); },
-                   std::move(writers));
+    pipeline.start(
+        [&](Renderer& renderer, const Snapshot& snapshot) {
+          Image image = renderer.draw(drawing.content(snapshot));
+          record.drawing = renderer.cost();
+          return image;
+        },
+        std::move(writers));
     record.first = world.solver->ledger();
     bool colors_known = !record.coloring;
     const auto hand_over = [&](Snapshot snapshot) {

@@ -66,6 +66,13 @@ GLuint RenderbufferKind::make() {
 }
 void RenderbufferKind::drop(GLuint id) { glDeleteRenderbuffers(1, &id); }
 
+GLuint QueryKind::make() {
+  GLuint id = 0;
+  glGenQueries(1, &id);
+  return id;
+}
+void QueryKind::drop(GLuint id) { glDeleteQueries(1, &id); }
+
 GLuint FramebufferKind::make() {
   GLuint id = 0;
   glGenFramebuffers(1, &id);

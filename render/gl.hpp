@@ -53,6 +53,10 @@ struct RenderbufferKind {
   static GLuint make();
   static void drop(GLuint id);
 };
+struct QueryKind {
+  static GLuint make();
+  static void drop(GLuint id);
+};
 struct FramebufferKind {
   static GLuint make();
   static void drop(GLuint id);
@@ -63,6 +67,7 @@ using VertexArray = Object<VertexArrayKind>;
 using Texture = Object<TextureKind>;
 using Sampler = Object<SamplerKind>;
 using Renderbuffer = Object<RenderbufferKind>;
+using Query = Object<QueryKind>;
 using Framebuffer = Object<FramebufferKind>;
 
 /// A linked vertex and fragment shader.

@@ -13,6 +13,7 @@
 #include "render/geometry.hpp"
 #include "render/gl.hpp"
 #include "render/light_pass.hpp"
+#include "render/pass_clock.hpp"
 #include "render/scene_fit.hpp"
 #include "render/shaders.hpp"
 
@@ -230,12 +231,13 @@ struct Renderer::Data {
     glDepthMask(GL_TRUE);
   }
 
-  Image read(const PixelBox& inner) const {
+  Image read(const PixelBox& inner) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target.id());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.id());
     const int right = inner.x + inner.width, top = inner.y + inner.height;
     glBlitFramebuffer(inner.x, inner.y, right, top, inner.x, inner.y, right, top, GL_COLOR_BUFFER_BIT,
                       GL_NEAREST);
+    clock.end_resolve();
     glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved.id());
     Image image;
     image.width = settings.width;
@@ -283,13 +285,16 @@ struct Renderer::Data {
   }
 
   Image draw(const FrameContent& frame) {
+    clock.begin_frame();
     const SceneBounds bounds = geometry.upload(frame);
+    clock.end_upload();
     const bool shadows = fit(frame, bounds);
     if (frame.color_scale) upload_colors(*frame.color_scale->map);
     glBindBuffer(GL_UNIFORM_BUFFER, block.id());
     glBufferData(GL_UNIFORM_BUFFER, sizeof uniforms, &uniforms, GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, ShaderPlaces::frame_block, block.id());
     if (shadows) light->draw(geometry);
+    clock.end_shadow();
     const PixelBox inner = bounds_in_picture(bounds.content, uniforms.clip, settings.width, settings.height);
     const bool with_ground = frame.ground != nullptr;
     glViewport(0, 0, settings.width, settings.height);
@@ -304,9 +309,11 @@ struct Renderer::Data {
     glClear(GL_DEPTH_BUFFER_BIT);
     draw_opaque(with_ground);
     draw_translucent();
+    clock.end_shading();
     glDisable(GL_SCISSOR_TEST);
     Image image = read(inner);
     glDisable(GL_FRAMEBUFFER_SRGB);
+    clock.end_frame(cost);
     return image;
   }
 
@@ -319,6 +326,8 @@ struct Renderer::Data {
   gl::Texture color_map{GL_TEXTURE_2D};
   gl::VertexArray empty;
   gl::Buffer block;
+  PassClock clock;
+  DrawingCost cost;
   Geometry geometry;
   FrameUniforms uniforms;
   float drop = 0.0f;
@@ -343,5 +352,7 @@ Image Renderer::draw(const FrameContent& frame) {
 }
 
 const ContextFacts& Renderer::facts() const { return data_->context.facts(); }
+
+const DrawingCost& Renderer::cost() const { return data_->cost; }
 
 }  // namespace deforma

@@ -71,6 +71,16 @@ struct RendererSettings {
   int shadow_size = 1024;  ///< texels along the shadow map's edge; 0: no shadow
 };
 
+/// What drawing has cost so far: sums over frames [s], by the driver's clock. All but `frames` stay 0 where it has none.
+struct DrawingCost {
+  int frames = 0;
+  double upload = 0.0;    ///< of the bodies, on the calling thread
+  double shadow = 0.0;    ///< shadow map, and shadow and occlusion of the ground
+  double shading = 0.0;   ///< everything that is seen
+  double resolve = 0.0;   ///< samples of a pixel into one colour
+  double readback = 0.0;  ///< of the picture into memory
+};
+
 /// Draws frames into memory. Use it from the thread that made it.
 class Renderer {
  public:
@@ -85,6 +95,7 @@ class Renderer {
   Image draw(const FrameContent& frame);
 
   const ContextFacts& facts() const;
+  const DrawingCost& cost() const;
 
  private:
   struct Data;

@@ -158,6 +158,14 @@ TEST(Run, TheReportListsWhatRanAndNothingElse) {
               report["seconds"].get<double>())
         << stage;
   }
+  const json& passes = report["drawing_seconds_per_frame"];
+  double drawing = 0.0;
+  for (const char* pass : {"upload", "shadow", "shading", "resolve", "readback"}) {
+    EXPECT_GE(passes[pass].get<double>(), 0.0) << pass;
+    drawing += passes[pass].get<double>();
+  }
+  EXPECT_GT(drawing, 0.0);
+  EXPECT_LE(10.0 * drawing, stages["draw"]["busy"].get<double>()) << "it is a part of that stage";
   // It fell for 9 frames: m g h has become kinetic energy, or the ground took it.
   EXPECT_EQ(report["ledger"]["first_frame"]["kinetic"], 0.0);
   EXPECT_GT(report["ledger"]["last_frame"]["kinetic"].get<double>(), 0.0);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <cstdlib>
 
 #include "picture.hpp"
@@ -340,6 +341,27 @@ TEST(Renderer, DrawsAnEmptyFrameAndABodyAroundTheCamera) {
   const Shape nothing;
   frame.meshes = {nothing.drawn(red)};
   EXPECT_NO_THROW(renderer.draw(frame));
+}
+
+TEST(Renderer, SharesItsCostOutAmongThePasses) {
+  Shape body;
+  std::vector<Vector3d> centers;
+  DrawnGround ground;
+  const FrameContent frame = scene_at({0, 0, 0}, body, centers, ground);
+  Renderer renderer(small());
+  EXPECT_EQ(renderer.cost().frames, 0);
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < 3; ++i) renderer.draw(frame);
+  const double whole = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const DrawingCost& cost = renderer.cost();
+  EXPECT_EQ(cost.frames, 3);
+  double sum = 0.0;
+  for (const double part : {cost.upload, cost.shadow, cost.shading, cost.resolve, cost.readback}) {
+    EXPECT_GE(part, 0.0);
+    sum += part;
+  }
+  EXPECT_GT(cost.shading, 0.0);
+  EXPECT_LE(sum, whole);
 }
 
 TEST(Renderer, LowersSamplesToWhatThereIs) {
