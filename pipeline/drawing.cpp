@@ -14,7 +14,7 @@ constexpr double ball_radius = 0.42;
 
 Look look_of(const LookSpec& spec) {
   return {spec.color.cast<float>(), static_cast<float>(spec.opacity), static_cast<float>(spec.roughness),
-          spec.flat};
+          spec.flat, static_cast<float>(spec.metallic)};
 }
 
 bool draws_surface(const Scene& scene) { return scene.output.view != "particles"; }
@@ -47,6 +47,7 @@ Drawing::Drawing(const Scene& scene, const State& state) : scene_(scene), state_
   light_.direction = scene.light.direction;
   light_.intensity = static_cast<float>(scene.light.intensity);
   light_.ambient = static_cast<float>(scene.light.ambient);
+  light_.exposure = static_cast<float>(scene.light.exposure);
   if (scene.ground) ground_ = {scene.ground->height, scene.ground->color.cast<float>()};
 
   for (const Body& body : state.bodies) {

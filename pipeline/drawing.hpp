@@ -15,8 +15,8 @@ struct Snapshot {
   std::vector<Vec3> points;     ///< of the whole surface, when drawn [m]
   std::vector<Vec3> particles;  ///< when drawn [m]
   // Of the field that colours them, in its unit; empty without one.
-  std::vector<float> point_values;
-  std::vector<float> particle_values;
+  std::vector<float> point_values = {};
+  std::vector<float> particle_values = {};
 };
 
 /// Copies the state as far as the scene's view needs it.

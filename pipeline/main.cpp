@@ -73,6 +73,8 @@ struct CommandLine {
         .add_option("--color-range", options.color_range,
                     "Values at the ends of the colour map, in SI units; found over the whole run by default")
         ->type_name("LOW:HIGH");
+    command.add_option("--quality", options.quality, "What pictures may cost: draft, standard or final")
+        ->type_name("QUALITY");
     command.add_option("--threads", options.threads, "How many threads simulate; all by default")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));

@@ -46,8 +46,9 @@ json library_versions() {
   return versions;
 }
 
-json to_json(const ContextFacts& context) {
-  return {{"platform", context.platform},
+json to_json(const ContextFacts& context, const Antialiasing& antialiasing) {
+  return {{"antialiasing", name_of(antialiasing)},
+          {"platform", context.platform},
           {"vendor", context.vendor},
           {"renderer", context.renderer},
           {"version", context.version},
@@ -112,7 +113,7 @@ std::string make_report(const Scene& scene, const World& world, const RunRecord&
   json report = {
       {"version", DEFORMA_VERSION},
       {"libraries", library_versions()},
-      {"renderer", to_json(record.context)},
+      {"renderer", to_json(record.context, record.antialiasing)},
       {"ending", {{"how", name_of(record.ending)}, {"message", record.ending_message}}},
       {"scene", json::parse(scene_to_json(scene))},
       {"bodies", json::array()},

@@ -29,6 +29,7 @@ struct RunRecord {
   Load skin;                    ///< follows the simulation on its thread, so it never waits
   Load draw, png, video;
   DrawingCost drawing;  ///< of which `draw` is made up
+  Antialiasing antialiasing;
   Ledger first, last;
   std::optional<Coloring> coloring;  ///< of bodies by a field
 };

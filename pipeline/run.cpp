@@ -25,7 +25,11 @@ RendererSettings renderer_settings(const Scene& scene) {
   RendererSettings settings;
   settings.width = scene.output.width;
   settings.height = scene.output.height;
-  settings.samples = scene.output.samples;
+  settings.detail = detail_of(scene.output.quality);
+  if (scene.output.samples) {
+    settings.detail.antialiasing = {*scene.output.samples, 1};
+    settings.detail.fits_machine = false;
+  }
   return settings;
 }
 
@@ -167,6 +171,7 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
         [&](Renderer& renderer, const Snapshot& snapshot) {
           Image image = renderer.draw(drawing.content(snapshot));
           record.drawing = renderer.cost();
+          record.antialiasing = renderer.antialiasing();
           return image;
         },
         std::move(writers));

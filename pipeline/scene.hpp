@@ -21,9 +21,10 @@ struct OutputSpec {
   // How the video is encoded, as in EncodingRequest; `load_scene` fills in what the encoder has.
   std::optional<std::string> codec, preset, pixel_format;
   std::optional<int> crf;
-  std::string view = "surface";   ///< or "particles", "both"
-  int samples = 4;                ///< multisampling
-  std::string color_by = "none";  ///< a field, whose values colour the bodies
+  std::string view = "surface";      ///< or "particles", "both"
+  std::string quality = "standard";  ///< or "draft", "final"
+  std::optional<int> samples;        ///< multisampling; that of the quality when absent
+  std::string color_by = "none";     ///< a field, whose values colour the bodies
   std::string color_map = "automatic";
   std::optional<std::array<double, 2>>
       color_range;  ///< [SI unit of the field]; found over the run when absent
@@ -46,6 +47,7 @@ struct LookSpec {
   double opacity = 1.0;
   double roughness = 0.5;
   bool flat = false;
+  double metallic = 0.0;
 };
 
 /// One table of one effect.
@@ -112,7 +114,8 @@ struct CameraSpec {
 struct LightSpec {
   Vec3 direction = {0.6, 0.45, -1.0};  ///< the way it shines
   double intensity = 2.7;
-  double ambient = 0.5;  ///< of the sky
+  double ambient = 0.5;   ///< of the sky
+  double exposure = 0.0;  ///< stops
 };
 
 struct GroundSpec {

@@ -5,6 +5,7 @@
 
 #include "pipeline/scene.hpp"
 #include "render/color_map.hpp"
+#include "render/quality.hpp"
 #include "sim/fields.hpp"
 #include "sim/kernel.hpp"
 #include "sim/moving_least_squares.hpp"
@@ -38,6 +39,7 @@ void describe(Io& io, OutputSpec& output) {
   io.value("pix_fmt", output.pixel_format);
   io.value("crf", output.crf, 0, 63);
   io.choice("view", output.view, view_choices);
+  io.choice("quality", output.quality, quality_names());
   io.value("samples", output.samples, 1, 32);
   io.choice("color_by", output.color_by, choices_after("none", field_names()));
   io.choice("color_map", output.color_map, choices_after("automatic", color_map_names()));
@@ -61,6 +63,7 @@ void describe(Io& io, LookSpec& look) {
   io.color("color", look.color);
   io.value("opacity", look.opacity, Interval::closed(0.0, 1.0));
   io.value("roughness", look.roughness, Interval::closed(0.0, 1.0));
+  io.value("metallic", look.metallic, Interval::closed(0.0, 1.0));
   io.value("flat", look.flat);
 }
 
@@ -107,6 +110,7 @@ void describe(Io& io, LightSpec& light) {
   io.value("direction", light.direction);
   io.value("intensity", light.intensity, Interval::non_negative());
   io.value("ambient", light.ambient, Interval::non_negative());
+  io.value("exposure", light.exposure, Interval::closed(-10.0, 10.0));
 }
 
 template <typename Io>

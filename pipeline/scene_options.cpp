@@ -32,7 +32,8 @@ Scene SceneOptions::load() const {
     overrides.push_back({"output.size", fmt::format("[{}, {}]", *width, *height), "--size " + size});
   }
   if (portable) overrides.push_back({"solver.portable", "true", "--portable"});
-  const std::array<std::array<std::string, 3>, 8> plain = {{{"view", "view", view},
+  const std::array<std::array<std::string, 3>, 9> plain = {{{"view", "view", view},
+                                                            {"quality", "quality", quality},
                                                             {"color-by", "color_by", color_by},
                                                             {"color-map", "color_map", color_map},
                                                             {"video", "video", video},

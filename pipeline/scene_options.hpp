@@ -15,7 +15,7 @@ struct SceneOptions {
   std::vector<std::string> sets;  ///< KEY=VALUE
   std::string size;               ///< WxH
   std::string view;
-  std::string color_by, color_map;
+  std::string quality, color_by, color_map;
   std::string color_range;                              ///< LOW:HIGH
   std::string video, codec, preset, pixel_format, crf;  ///< as the keys of [output]
   int threads = 0;                                      ///< 0: all

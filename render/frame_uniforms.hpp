@@ -18,7 +18,7 @@ struct FrameUniforms {
       Eigen::Vector4f::UnitZ();  ///< unit, towards the light behind the scene; radius of the casters
   Eigen::Vector4f rim = Eigen::Vector4f::Zero();     ///< irradiance; unused
   Eigen::Vector4f bounce = Eigen::Vector4f::Zero();  ///< what the floor reflects of white; 1 when it is baked
-  Eigen::Vector4f background = Eigen::Vector4f::Ones();  ///< unused
+  Eigen::Vector4f background = Eigen::Vector4f::Ones();  ///< and pixels of the picture per pixel drawn
   Eigen::Vector4f viewport = Eigen::Vector4f::Ones();  ///< width, height [pixels], aspect; samples per pixel
   Eigen::Vector4f ground =
       Eigen::Vector4f::Zero();  ///< height, center x, center y; radius where it has faded away

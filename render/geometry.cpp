@@ -15,10 +15,12 @@ namespace {
 
 void check_look(const Look& look, const char* what, std::size_t number) {
   if (!look.color.allFinite() || !(look.opacity >= 0.0f && look.opacity <= 1.0f) ||
-      !(look.roughness >= 0.0f && look.roughness <= 1.0f))
+      !(look.roughness >= 0.0f && look.roughness <= 1.0f) ||
+      !(look.metallic >= 0.0f && look.metallic <= 1.0f))
     throw std::invalid_argument(
-        fmt::format("the look of {} {}: colour must be finite, opacity ({}) and roughness ({}) from 0 to 1",
-                    what, number, look.opacity, look.roughness));
+        fmt::format("the look of {} {}: colour must be finite, opacity ({}), roughness ({}) and metallic "
+                    "({}) from 0 to 1",
+                    what, number, look.opacity, look.roughness, look.metallic));
 }
 
 void check_indices(const DrawnMesh& drawn, std::size_t number) {

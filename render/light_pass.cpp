@@ -6,9 +6,7 @@
 namespace deforma {
 namespace {
 
-// Texels along the edge of the ground's maps. Shadow and occlusion are soft, more of them would not be seen.
-constexpr int ground_size = 320;
-constexpr int sky_size = 96;
+// Texels along the edge of the map of undersides.
 constexpr int underside_size = 256;
 
 // How wide the light looks from the scene: half its width over its distance.
@@ -54,20 +52,22 @@ void attach(const gl::Framebuffer& target, GLenum place, const gl::Texture& text
 
 }  // namespace
 
-LightPass::LightPass(const ShaderSources& sources, int shadow_size)
+LightPass::LightPass(const ShaderSources& sources, const Detail& detail)
     : mesh_depth_("mesh depth", sources.mesh_depth.vertex, sources.mesh_depth.fragment),
       sphere_depth_("sphere depth", sources.sphere_depth.vertex, sources.sphere_depth.fragment),
       ground_key_program_("ground key", sources.ground_key.vertex, sources.ground_key.fragment),
       ground_sky_program_("ground sky", sources.ground_sky.vertex, sources.ground_sky.fragment),
       ground_light_program_("ground light", sources.ground_light.vertex, sources.ground_light.fragment),
-      shadow_map_(depth_texture(shadow_size)),
+      shadow_map_(depth_texture(detail.shadow_size)),
       underside_(depth_texture(underside_size)),
-      ground_key_(color_texture(GL_R8, ground_size)),
-      ground_sky_(color_texture(GL_R8, sky_size)),
-      ground_light_(color_texture(GL_RG8, ground_size)),
+      ground_key_(color_texture(GL_R8, detail.ground_size)),
+      ground_sky_(color_texture(GL_R8, detail.sky_size)),
+      ground_light_(color_texture(GL_RG8, detail.ground_size)),
       compare_(lit_outside(GL_LINEAR)),
       plain_(lit_outside(GL_NEAREST)),
-      shadow_size_(shadow_size) {
+      shadow_size_(detail.shadow_size),
+      ground_size_(detail.ground_size),
+      sky_size_(detail.sky_size) {
   glBindTexture(GL_TEXTURE_2D, ground_light_.id());
   glGenerateMipmap(GL_TEXTURE_2D);
   // Samplers rule over the other places; this one keeps its own state, for it has mipmaps.
@@ -118,7 +118,7 @@ bool LightPass::fit(const SceneBounds& bounds, const Eigen::Vector3d& to_light, 
   has_ground_ = bounds.has_ground && to_light.z() > 0.02;
   if (!has_ground_) return true;
   const GroundRegion region = fit_ground(bounds, to_light, occlusion_reach * radius);
-  uniforms.eye.w() = static_cast<float>(region.size.maxCoeff() / ground_size);
+  uniforms.eye.w() = static_cast<float>(region.size.maxCoeff() / ground_size_);
   uniforms.bounce.w() = 1.0f;
   uniforms.region << region.min.cast<float>(), region.size.cwiseInverse().cast<float>();
   // Depth along the plane z = const by map coordinates: the ground's own share of the map's matrix.
@@ -182,9 +182,9 @@ void LightPass::draw(const Geometry& geometry) {
     bind();
     glDisable(GL_DEPTH_TEST);
     glBindVertexArray(empty_.id());
-    draw_texels(ground_key_program_, key_target_, ground_size);
-    draw_texels(ground_sky_program_, sky_target_, sky_size);
-    draw_texels(ground_light_program_, ground_target_, ground_size);
+    draw_texels(ground_key_program_, key_target_, ground_size_);
+    draw_texels(ground_sky_program_, sky_target_, sky_size_);
+    draw_texels(ground_light_program_, ground_target_, ground_size_);
     glActiveTexture(GL_TEXTURE0 + ShaderPlaces::ground_light);
     glBindTexture(GL_TEXTURE_2D, ground_light_.id());
     glGenerateMipmap(GL_TEXTURE_2D);

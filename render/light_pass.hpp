@@ -3,6 +3,7 @@
 #include "render/frame_uniforms.hpp"
 #include "render/geometry.hpp"
 #include "render/gl.hpp"
+#include "render/quality.hpp"
 #include "render/scene_fit.hpp"
 
 namespace deforma {
@@ -11,8 +12,8 @@ namespace deforma {
 /// covers most of a picture, a texture with the share of the light and of the sky that reaches it.
 class LightPass {
  public:
-  /// @param shadow_size texels along the edge of the shadow map; above 0
-  LightPass(const ShaderSources& sources, int shadow_size);
+  /// @param detail how large the maps are; the shadow map's size above 0
+  LightPass(const ShaderSources& sources, const Detail& detail);
 
   /// Writes the parts of `uniforms` that tell the other shaders how to read the maps, and says whether there
   /// is anything that throws a shadow.
@@ -47,7 +48,7 @@ class LightPass {
   gl::Framebuffer sky_target_;
   gl::Framebuffer ground_target_;
   gl::VertexArray empty_;
-  int shadow_size_;
+  int shadow_size_, ground_size_, sky_size_;
   bool has_ground_ = false;
   Eigen::Matrix4f shadow_projection_ = Eigen::Matrix4f::Identity();
   Eigen::Matrix3f shadow_axes_ = Eigen::Matrix3f::Identity();

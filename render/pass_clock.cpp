@@ -17,19 +17,25 @@ PassClock::PassClock() {
   works_ = bits > 0;
 }
 
-void PassClock::begin_frame() { begin_ = now(); }
+void PassClock::begin_frame() {
+  has_shadow_ = false;
+  begin_ = now();
+}
 void PassClock::end_upload() { uploaded_ = now(); }
-void PassClock::end_shadow() { glQueryCounter(marks_[0].id(), GL_TIMESTAMP); }
+void PassClock::end_shadow() {
+  has_shadow_ = true;
+  glQueryCounter(marks_[0].id(), GL_TIMESTAMP);
+}
 void PassClock::end_shading() { glQueryCounter(marks_[1].id(), GL_TIMESTAMP); }
 void PassClock::end_resolve() { glQueryCounter(marks_[2].id(), GL_TIMESTAMP); }
 
-void PassClock::end_frame(DrawingCost& cost) const {
+void PassClock::end_frame(DrawingCost& cost) {
   ++cost.frames;
   if (!works_) return;
   std::int64_t before = uploaded_;
   cost.upload += 1e-9 * static_cast<double>(uploaded_ - begin_);
   double* const parts[] = {&cost.shadow, &cost.shading, &cost.resolve};
-  for (std::size_t pass = 0; pass < marks_.size(); ++pass) {
+  for (std::size_t pass = has_shadow_ ? 0 : 1; pass < marks_.size(); ++pass) {
     GLint64 done = 0;
     glGetQueryObjecti64v(marks_[pass].id(), GL_QUERY_RESULT, &done);
     *parts[pass] += 1e-9 * static_cast<double>(done - before);

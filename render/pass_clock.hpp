@@ -16,16 +16,17 @@ class PassClock {
 
   void begin_frame();  ///< now
   void end_upload();   ///< now: it is this thread's own work
-  void end_shadow();   ///< when the driver gets there, as the next two
+  void end_shadow();   ///< when the driver gets there, as the next two; may be left out when there is none
   void end_shading();
   void end_resolve();
 
   /// Adds the frame, whose picture has been read back, to `cost`.
-  void end_frame(DrawingCost& cost) const;
+  void end_frame(DrawingCost& cost);
 
  private:
   bool works_ = false;  ///< whether the driver has a clock; without one nothing is added but the frame
   std::array<gl::Query, 3> marks_;
+  bool has_shadow_ = false;
   std::int64_t begin_ = 0, uploaded_ = 0;  ///< by the driver's clock [ns]
 };
 

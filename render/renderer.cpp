@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <stdexcept>
 
@@ -14,6 +13,7 @@
 #include "render/gl.hpp"
 #include "render/light_pass.hpp"
 #include "render/pass_clock.hpp"
+#include "render/picture_target.hpp"
 #include "render/scene_fit.hpp"
 #include "render/shaders.hpp"
 
@@ -22,6 +22,16 @@ namespace {
 
 // The ground ends where it has faded into the backdrop, so many radii of the content from its center.
 constexpr double ground_reach = 9.0;
+
+// Multisampling finds the edges of every triangle so many times, supersampling the colour of every pixel: on a software
+// driver, whose every sample costs, the second is cheaper from about so many triangles on (README.md).
+constexpr std::size_t many_triangles = 8000;
+
+bool is_software(const ContextFacts& facts) {
+  for (const char* name : {"llvmpipe", "softpipe", "swrast"})
+    if (facts.renderer.find(name) != std::string::npos) return true;
+  return false;
+}
 
 float linear(float srgb) {
   return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
@@ -37,11 +47,16 @@ void check_settings(const RendererSettings& settings) {
   if (settings.width <= 0 || settings.height <= 0)
     throw std::invalid_argument(
         fmt::format("the picture's size must be positive, not {} x {}", settings.width, settings.height));
-  if (settings.samples < 1)
-    throw std::invalid_argument(fmt::format("samples per pixel must be 1 or more, not {}", settings.samples));
-  if (settings.shadow_size < 0)
+  const Detail& detail = settings.detail;
+  if (detail.antialiasing.samples < 1 || detail.antialiasing.grid < 1)
+    throw std::invalid_argument(fmt::format("samples per pixel must be 1 or more, not {}",
+                                            std::min(detail.antialiasing.samples, detail.antialiasing.grid)));
+  if (detail.shadow_size < 0)
     throw std::invalid_argument(
-        fmt::format("the shadow map's size must be 0 (no shadow) or more, not {}", settings.shadow_size));
+        fmt::format("the shadow map's size must be 0 (no shadow) or more, not {}", detail.shadow_size));
+  if (std::min({detail.ground_size, detail.sky_size, detail.body_taps, detail.blocker_taps,
+                detail.ground_taps, detail.sky_taps}) < 1)
+    throw std::invalid_argument("the maps of the ground and the taps of shadows must be 1 or more");
 }
 
 void check_limits(const RendererSettings& settings) {
@@ -52,10 +67,11 @@ void check_limits(const RendererSettings& settings) {
     throw std::invalid_argument(
         fmt::format("a picture of {} x {} is too large: this driver draws at most {} x {}", settings.width,
                     settings.height, picture, picture));
-  if (settings.shadow_size > texture)
-    throw std::invalid_argument(
-        fmt::format("a shadow map of {0} x {0} is too large: this driver has at most {1} x {1}",
-                    settings.shadow_size, texture));
+  const int map =
+      std::max({settings.detail.shadow_size, settings.detail.ground_size, settings.detail.sky_size});
+  if (map > texture)
+    throw std::invalid_argument(fmt::format(
+        "a shadow map of {0} x {0} is too large: this driver has at most {1} x {1}", map, texture));
 }
 
 }  // namespace
@@ -64,7 +80,7 @@ struct Renderer::Data {
   Data(const RendererSettings& wanted, const ContextRequest& request) : settings(wanted), context(request) {
     check_limits(settings);
     const bool sample_mask = epoxy_gl_version() >= 40;
-    const ShaderSources sources(sample_mask);
+    const ShaderSources sources(sample_mask, settings.detail);
     mesh.emplace("mesh", sources.mesh.vertex, sources.mesh.fragment);
     glass.emplace("glass", sources.glass.vertex, sources.glass.fragment);
     glass_edge.emplace("glass edge", sources.glass_edge.vertex, sources.glass_edge.fragment);
@@ -78,40 +94,8 @@ struct Renderer::Data {
       (*program)->bind_sampler("ground_light", ShaderPlaces::ground_light);
       (*program)->bind_sampler("color_map", ShaderPlaces::color_map);
     }
-    if (settings.shadow_size > 0) light.emplace(sources, settings.shadow_size);
-    make_targets();
-  }
-
-  void make_targets() {
-    GLint most = 1;
-    glGetIntegerv(GL_MAX_SAMPLES, &most);
-    settings.samples = std::min({settings.samples, static_cast<int>(most), max_samples});
-    // One sample is what a target without multisampling has.
-    const GLsizei multisamples = settings.samples > 1 ? settings.samples : 0;
-    glBindRenderbuffer(GL_RENDERBUFFER, color.id());
-    glRenderbufferStorageMultisample(GL_RENDERBUFFER, multisamples, GL_SRGB8_ALPHA8, settings.width,
-                                     settings.height);
-    glBindRenderbuffer(GL_RENDERBUFFER, depth.id());
-    glRenderbufferStorageMultisample(GL_RENDERBUFFER, multisamples, GL_DEPTH_COMPONENT32F, settings.width,
-                                     settings.height);
-    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color.id());
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth.id());
-    gl::check_framebuffer("the picture");
-    GLint granted = 0;
-    glGetIntegerv(GL_SAMPLES, &granted);
-    settings.samples = std::clamp(static_cast<int>(granted), 1, max_samples);
-    for (int i = 0; i < settings.samples; ++i) {
-      float spot[2] = {0.5f, 0.5f};
-      if (granted > 1) glGetMultisamplefv(GL_SAMPLE_POSITION, static_cast<GLuint>(i), spot);
-      uniforms.samples.col(i) << spot[0] - 0.5f, spot[1] - 0.5f, 0.0f, 0.0f;
-    }
-    glBindRenderbuffer(GL_RENDERBUFFER, resolved_color.id());
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_SRGB8_ALPHA8, settings.width, settings.height);
-    glBindFramebuffer(GL_FRAMEBUFFER, resolved.id());
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, resolved_color.id());
-    gl::check_framebuffer("the resolved picture");
-    gl::check_errors("making the picture's buffers");
+    if (settings.detail.shadow_size > 0) light.emplace(sources, settings.detail);
+    target.emplace(settings.width, settings.height);
   }
 
   /// Everything the shaders know of the frame; true when shadows are to be drawn.
@@ -131,19 +115,22 @@ struct Renderer::Data {
         (projection_matrix(camera, aspect, range.near_plane, range.far_plane) * view).cast<float>();
     uniforms.eye = joined(camera.eye.cast<float>(), 1.0f);
     uniforms.key_to = joined(to_light.cast<float>(), 0.0f);
-    uniforms.key = joined(frame.light.intensity * linear(frame.light.color), frame.light.ambient);
+    const float exposure = std::exp2(frame.light.exposure);
+    const float intensity = exposure * frame.light.intensity;
+    uniforms.key = joined(intensity * linear(frame.light.color), exposure * frame.light.ambient);
     // From behind the scene and above, on the side away from the key light, so that outlines stand out.
     const Eigen::Vector3d right = view.row(0).head<3>(), back = view.row(2).head<3>();
     const double side = to_light.dot(right) > 0.0 ? -0.7 : 0.7;
     const Eigen::Vector3d rim = (side * right - 0.8 * back + Eigen::Vector3d(0.0, 0.0, 0.7)).normalized();
     uniforms.rim_to = joined(rim.cast<float>(), 1.0f);
-    uniforms.rim = joined(Eigen::Vector3f::Constant(0.28f * frame.light.intensity), 0.0f);
+    uniforms.rim = joined(Eigen::Vector3f::Constant(0.28f * intensity), 0.0f);
     // Without a floor the light from below is that of the backdrop.
     uniforms.bounce = joined(
         frame.ground ? linear(frame.ground->color) : Eigen::Vector3f(0.4f * linear(frame.background)), 0.0f);
     uniforms.background = joined(linear(frame.background), 0.0f);
     uniforms.viewport << static_cast<float>(settings.width), static_cast<float>(settings.height),
-        static_cast<float>(aspect), static_cast<float>(settings.samples);
+        static_cast<float>(aspect), static_cast<float>(target->antialiasing().samples);
+    uniforms.samples = target->samples();
     const Eigen::Vector3d center =
         bounds.content.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : bounds.content.center();
     uniforms.ground =
@@ -167,7 +154,7 @@ struct Renderer::Data {
     glUseProgram(program.id());
     const Eigen::Vector3f color_linear = linear(look.color);
     glUniform4f(program.at("color"), color_linear.x(), color_linear.y(), color_linear.z(), look.opacity);
-    glUniform2f(program.at("finish"), look.roughness, look.flat ? 1.0f : 0.0f);
+    glUniform3f(program.at("finish"), look.roughness, look.flat ? 1.0f : 0.0f, look.metallic);
     glUniform1i(program.at("by_value"), by_value ? 1 : 0);
   }
 
@@ -178,9 +165,6 @@ struct Renderer::Data {
   }
 
   void draw_opaque(bool with_ground) const {
-    glDepthMask(GL_TRUE);
-    glDisable(GL_BLEND);
-    glDisable(GL_CULL_FACE);
     for (const UploadedMesh& uploaded : geometry.meshes()) {
       if (uploaded.look.opacity < 1.0f) continue;
       use(*mesh, uploaded.look, uploaded.by_value);
@@ -188,8 +172,16 @@ struct Renderer::Data {
     }
     for (const UploadedSpheres& spheres : geometry.spheres())
       if (spheres.look.opacity >= 1.0f) draw_spheres(spheres);
+    draw_surroundings(with_ground);
+  }
+
+  void draw_surroundings(bool with_ground) const {
     glBindVertexArray(empty.id());
-    if (with_ground) draw_ground();
+    if (with_ground) {
+      glUseProgram(ground->id());
+      glUniform1f(ground->at("drop"), drop);
+      glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    }
     // Last and at the far end: only where nothing else is.
     glDepthFunc(GL_LEQUAL);
     glUseProgram(backdrop->id());
@@ -231,38 +223,13 @@ struct Renderer::Data {
     glDepthMask(GL_TRUE);
   }
 
-  Image read(const PixelBox& inner) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, target.id());
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.id());
-    const int right = inner.x + inner.width, top = inner.y + inner.height;
-    glBlitFramebuffer(inner.x, inner.y, right, top, inner.x, inner.y, right, top, GL_COLOR_BUFFER_BIT,
-                      GL_NEAREST);
-    clock.end_resolve();
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved.id());
-    Image image;
-    image.width = settings.width;
-    image.height = settings.height;
-    const std::size_t row = 4 * static_cast<std::size_t>(settings.width);
-    image.rgba.resize(row * static_cast<std::size_t>(settings.height));
-    glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glReadPixels(0, 0, settings.width, settings.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
-    gl::check_errors("drawing a frame");
-    // OpenGL counts rows from below.
-    for (std::size_t low = 0, high = image.rgba.size() - row; low < high; low += row, high -= row)
-      std::swap_ranges(image.rgba.begin() + static_cast<std::ptrdiff_t>(low),
-                       image.rgba.begin() + static_cast<std::ptrdiff_t>(low + row),
-                       image.rgba.begin() + static_cast<std::ptrdiff_t>(high));
-    return image;
-  }
-
   /// Floor and backdrop have no edges that need more than one sample: outside the content's frame they go straight into the
-  /// resolved picture, which on a software driver saves most of the cost of multisampling.
-  void draw_surroundings(const PixelBox& inner, bool with_ground) const {
-    glBindFramebuffer(GL_FRAMEBUFFER, resolved.id());
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-    glDisable(GL_CULL_FACE);
-    glBindVertexArray(empty.id());
+  /// plain picture, which on a software driver saves most of the cost of antialiasing.
+  void draw_around(const PixelBox& inner, bool with_ground) {
+    upload_uniforms(1);
+    target->bind_plain();
+    glScissor(0, 0, settings.width, settings.height);
+    begin_drawing();
     const int w = settings.width, h = settings.height;
     const PixelBox strips[] = {{0, 0, w, inner.y},
                                {0, inner.y + inner.height, w, h - inner.y - inner.height},
@@ -270,48 +237,66 @@ struct Renderer::Data {
                                {inner.x + inner.width, inner.y, w - inner.x - inner.width, inner.height}};
     for (const PixelBox& strip : strips) {
       if (strip.width <= 0 || strip.height <= 0) continue;
-      glScissor(strip.x, strip.y, strip.width, strip.height);
-      glUseProgram(backdrop->id());
-      glDrawArrays(GL_TRIANGLES, 0, 3);
-      if (with_ground) draw_ground();
+      target->clip_plain(strip);
+      draw_surroundings(with_ground);
     }
-    glEnable(GL_DEPTH_TEST);
   }
 
-  void draw_ground() const {
-    glUseProgram(ground->id());
-    glUniform1f(ground->at("drop"), drop);
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  Antialiasing fitting_antialiasing(const FrameContent& frame) const {
+    const Antialiasing& wanted = settings.detail.antialiasing;
+    if (!settings.detail.fits_machine || !is_software(context.facts())) return wanted;
+    std::size_t triangles = 0;
+    for (const DrawnMesh& drawn : frame.meshes) triangles += drawn.triangles.size();
+    return triangles < many_triangles ? wanted : Antialiasing{1, 2};
+  }
+
+  void upload_uniforms(int grid) {
+    uniforms.background.w() = 1.0f / static_cast<float>(grid);
+    glBindBuffer(GL_UNIFORM_BUFFER, block.id());
+    glBufferData(GL_UNIFORM_BUFFER, sizeof uniforms, &uniforms, GL_STREAM_DRAW);
+    glBindBufferBase(GL_UNIFORM_BUFFER, ShaderPlaces::frame_block, block.id());
+  }
+
+  static void begin_drawing() {
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glClear(GL_DEPTH_BUFFER_BIT);
   }
 
   Image draw(const FrameContent& frame) {
     clock.begin_frame();
     const SceneBounds bounds = geometry.upload(frame);
     clock.end_upload();
+    target->use(fitting_antialiasing(frame));
     const bool shadows = fit(frame, bounds);
     if (frame.color_scale) upload_colors(*frame.color_scale->map);
-    glBindBuffer(GL_UNIFORM_BUFFER, block.id());
-    glBufferData(GL_UNIFORM_BUFFER, sizeof uniforms, &uniforms, GL_STREAM_DRAW);
-    glBindBufferBase(GL_UNIFORM_BUFFER, ShaderPlaces::frame_block, block.id());
-    if (shadows) light->draw(geometry);
-    clock.end_shadow();
-    const PixelBox inner = bounds_in_picture(bounds.content, uniforms.clip, settings.width, settings.height);
+    upload_uniforms(1);
+    if (shadows) {
+      light->draw(geometry);
+      clock.end_shadow();
+    }
+    const PixelBox whole = {0, 0, settings.width, settings.height};
+    const PixelBox inner = target->is_plain() ? whole
+                                              : bounds_in_picture(bounds.content, uniforms.clip,
+                                                                  settings.width, settings.height);
     const bool with_ground = frame.ground != nullptr;
-    glViewport(0, 0, settings.width, settings.height);
     glEnable(GL_FRAMEBUFFER_SRGB);
     glEnable(GL_SCISSOR_TEST);
-    draw_surroundings(inner, with_ground);
-    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-    glScissor(inner.x, inner.y, inner.width, inner.height);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LESS);
-    glDepthMask(GL_TRUE);
-    glClear(GL_DEPTH_BUFFER_BIT);
+    if (!target->is_plain()) draw_around(inner, with_ground);
+    upload_uniforms(target->antialiasing().grid);
+    target->bind_fine();
+    target->clip_fine(inner);
+    begin_drawing();
     draw_opaque(with_ground);
     draw_translucent();
     clock.end_shading();
     glDisable(GL_SCISSOR_TEST);
-    Image image = read(inner);
+    target->resolve(inner);
+    clock.end_resolve();
+    Image image = target->read();
     glDisable(GL_FRAMEBUFFER_SRGB);
     clock.end_frame(cost);
     return image;
@@ -321,9 +306,8 @@ struct Renderer::Data {
   Context context;  // before everything that lives in it
   std::optional<gl::Program> mesh, glass, glass_edge, sphere, ground, backdrop;
   std::optional<LightPass> light;
-  gl::Renderbuffer color, depth, resolved_color;
-  gl::Framebuffer target, resolved;
   gl::Texture color_map{GL_TEXTURE_2D};
+  std::optional<PictureTarget> target;
   gl::VertexArray empty;
   gl::Buffer block;
   PassClock clock;
@@ -354,5 +338,7 @@ Image Renderer::draw(const FrameContent& frame) {
 const ContextFacts& Renderer::facts() const { return data_->context.facts(); }
 
 const DrawingCost& Renderer::cost() const { return data_->cost; }
+
+const Antialiasing& Renderer::antialiasing() const { return data_->target->antialiasing(); }
 
 }  // namespace deforma

@@ -12,6 +12,7 @@
 #include "render/color_map.hpp"
 #include "render/context.hpp"
 #include "render/image.hpp"
+#include "render/quality.hpp"
 
 namespace deforma {
 
@@ -21,6 +22,7 @@ struct Look {
   float opacity = 1.0f;    ///< below 1: drawn after everything opaque, back faces first
   float roughness = 0.5f;  ///< 0 mirror-like highlight, 1 matte
   bool flat = false;       ///< one normal per triangle instead of smooth shading
+  float metallic = 0.0f;   ///< 1: metal, which mirrors in its own colour; 0: anything else
 };
 
 /// One triangle surface in a frame.
@@ -51,7 +53,8 @@ struct Light {
   Eigen::Vector3d direction = {0.6, 0.45, -1.0};  ///< the way it shines
   Eigen::Vector3f color = {1.0f, 0.985f, 0.965f};
   float intensity = 2.7f;
-  float ambient = 0.5f;  ///< of the sky
+  float ambient = 0.5f;   ///< of the sky
+  float exposure = 0.0f;  ///< stops: each doubles all light, but not the background
 };
 
 struct FrameContent {
@@ -67,8 +70,7 @@ struct FrameContent {
 struct RendererSettings {
   int width = 1280;
   int height = 720;
-  int samples = 4;         ///< multisampling; lowered to what the driver offers
-  int shadow_size = 1024;  ///< texels along the shadow map's edge; 0: no shadow
+  Detail detail;
 };
 
 /// What drawing has cost so far: sums over frames [s], by the driver's clock. All but `frames` stay 0 where it has none.
@@ -96,6 +98,8 @@ class Renderer {
 
   const ContextFacts& facts() const;
   const DrawingCost& cost() const;
+  /// Of the last frame.
+  const Antialiasing& antialiasing() const;
 
  private:
   struct Data;

@@ -26,13 +26,14 @@ void main() {
 
 const char* const mesh_surface = R"(
 uniform vec4 color;  // linear; opacity
-uniform vec2 finish;  // roughness; 1 for one normal per triangle
+uniform vec3 finish;  // roughness; 1 for one normal per triangle; metallic
 noperspective centroid in float value;
 in vec3 p;
 in vec3 smooth_normal;
 in vec3 from_floor;
 layout(location = 0, index = 0) out vec4 result;
 
+// What the surface scatters or, of metal, mirrors of white light.
 vec3 own_color() { return base_color(color.rgb, value); }
 
 vec3 surface_normal() {
@@ -43,8 +44,8 @@ vec3 surface_normal() {
 
 const char* const mesh_fragment = R"(
 void main() {
-  vec3 shade = body_color(own_color(), finish.x, p, surface_normal(), from_floor);
-  result = vec4(dither(tone_map(shade), gl_FragCoord.xy), 1.0);
+  vec3 shade = body_color(own_color(), finish.x, finish.z, p, surface_normal(), from_floor);
+  result = vec4(dither(tone_map(shade)), 1.0);
 }
 )";
 
@@ -68,15 +69,15 @@ void main() {
   vec3 n = surface_normal();
   vec3 v = normalize(eye.xyz - p);
   float nv = clamp(dot(n, v), 0.05, 1.0);
-  float mirror = fresnel(nv);
+  float mirror = 0.04 + 0.96 * fresnel(nv);
   float body = 1.0 - pow(1.0 - color.a, 1.0 / max(nv, 0.1));
   vec3 light = mix(from_floor, vec3(key.w), 0.5 + 0.5 * n.z) + key.rgb * (0.25 * inverse_pi * (1.0 + dot(n, key_to.xyz)));
   float alpha = max(finish.x * finish.x, 0.01);
   vec3 r = reflect(-v, n);
   vec3 shade = base * light * (0.5 * body * (1.0 - mirror))
              + mirror * (studio(r, finish.x, from_floor) + key.w * 7.0 * (1.0 - finish.x) * lamps(r))
-             + directional(vec3(0.0), alpha, n, v, nv, key_to.xyz, key.rgb)
-             + directional(vec3(0.0), alpha, n, v, nv, rim_to.xyz, rim.rgb);
+             + directional(vec3(0.0), vec3(0.04), alpha, n, v, nv, key_to.xyz, key.rgb)
+             + directional(vec3(0.0), vec3(0.04), alpha, n, v, nv, rim_to.xyz, rim.rgb);
   passed = vec4((1.0 - mirror) * (1.0 - body + 0.5 * body * base), 0.0);
   float covered = 1.0 - passed.g;
   result = vec4(tone_map(shade / covered) * covered, 1.0);
@@ -119,7 +120,7 @@ void main() {
 // The outline is decided at each sample of the pixel, from the slope of (r^2 - distance^2) of ray and center.
 const char* const sphere_fragment = R"(
 uniform vec4 color;
-uniform vec2 finish;
+uniform vec3 finish;
 uniform float radius;
 flat in float value;
 in vec3 way;
@@ -145,8 +146,8 @@ void main() {
   vec3 p = eye.xyz + hit;
   vec4 c = clip * vec4(p, 1.0);
   gl_FragDepth = 0.5 + 0.5 * c.z / c.w;
-  vec3 shade = body_color(base_color(color.rgb, value), finish.x, p, normalize(hit - center), from_floor);
-  result = vec4(dither(tone_map(shade), gl_FragCoord.xy) * color.a, color.a);  // premultiplied
+  vec3 shade = body_color(base_color(color.rgb, value), finish.x, finish.z, p, normalize(hit - center), from_floor);
+  result = vec4(dither(tone_map(shade)) * color.a, color.a);  // premultiplied
 }
 )";
 
@@ -165,14 +166,17 @@ uniform sampler2D ground_light;
 in vec2 spot;
 out vec4 result;
 void main() {
-  vec2 share = textureLod(ground_light, (spot - region.xy) * region.zw, 0.0).rg;
-  share = bounce.w == 0.0 ? vec2(1.0) : share;
+  vec2 place = (spot - region.xy) * region.zw;
+  // Most of the floor lies beyond what is baked: a loop of length zero is skipped, see key_share of the bodies.
+  vec2 share = vec2(1.0);
+  int baked = bounce.w == 0.0 || place != clamp(place, 0.0, 1.0) ? 0 : 1;
+  for (int i = 0; i < baked; ++i) share = textureLod(ground_light, place, 0.0).rg;
   vec3 shade = bounce.rgb * (key.rgb * (max(key_to.z, 0.0) * share.r * inverse_pi) + key.w * share.g);
   float away = distance(spot, ground.yz) / ground.w;
   float fade = smoothstep(0.12, 1.0, away);
   fade = 1.0 - (1.0 - fade) * (1.0 - fade);
-  vec3 shown = mix(tone_map(shade), backdrop_color(gl_FragCoord.xy), fade);
-  result = vec4(dither(shown, gl_FragCoord.xy), 1.0);
+  vec3 shown = mix(tone_map(shade), backdrop_color(), fade);
+  result = vec4(dither(shown), 1.0);
 }
 )";
 
@@ -186,7 +190,7 @@ void main() {
 
 const char* const backdrop_fragment = R"(
 out vec4 result;
-void main() { result = vec4(dither(backdrop_color(gl_FragCoord.xy), gl_FragCoord.xy), 1.0); }
+void main() { result = vec4(dither(backdrop_color()), 1.0); }
 )";
 
 const char* const mesh_depth_vertex = R"(
@@ -253,21 +257,21 @@ void main() {
   float blockers = 0.0, height = 0.0;
   vec2 first = vec2(cos(6.2831853 * turn), sin(6.2831853 * turn));
   vec2 way = first;
-  for (int i = 0; i < 14; ++i) {
+  for (int i = 0; i < BLOCKER_TAPS; ++i) {
     way = golden * way;
-    vec2 tap = way * (reach * sqrt((float(i) + turn) / 14.0));
+    vec2 tap = way * (reach * sqrt((float(i) + turn) / float(BLOCKER_TAPS)));
     float gap = s.z + dot(plane.xy, tap) - textureLod(shadow_depths, s.xy + tap, 0.0).r;
     blockers += gap > 0.0 ? 1.0 : 0.0;
     height += max(gap, 0.0);
   }
   float radius = max(blur.w * height / max(blockers, 1.0), 1.5 * plane.z);
   // A loop of length zero is skipped, a branch not taken is not: see key_share of the bodies.
-  int taps = blockers == 0.0 ? 0 : 16;
+  int taps = blockers == 0.0 ? 0 : GROUND_TAPS;
   float lit = 0.0;
   way = first;
   for (int i = 0; i < taps; ++i) {
     way = golden * way;
-    vec2 tap = way * (radius * sqrt((float(i) + turn) / 16.0));
+    vec2 tap = way * (radius * sqrt((float(i) + turn) / float(GROUND_TAPS)));
     lit += textureLod(shadow_map, vec3(s.xy + tap, min(s.z + dot(plane.xy, tap), 1.0)), 0.0);
   }
   result = vec4(taps == 0 ? 1.0 : lit / float(taps), 0.0, 0.0, 1.0);
@@ -287,9 +291,9 @@ void main() {
   float outer = 0.04 * rim_to.w;
   vec2 way = vec2(1.0, 0.0);
   for (int ring = 0; ring < 6; ++ring) {
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < SKY_TAPS; ++i) {
       way = golden * way;
-      float r = mix(inner, outer, (float(i) + 0.5) / 20.0);
+      float r = mix(inner, outer, (float(i) + 0.5) / float(SKY_TAPS));
       float h = textureLod(underside, place + way * r * region.zw, 0.0).r;
       float h2 = h * h * plane.w * plane.w + 1e-6 * rim_to.w * rim_to.w;
       covered += h >= 1.0 ? 0.0 : outer * outer / (outer * outer + h2) - inner * inner / (inner * inner + h2);
@@ -297,7 +301,7 @@ void main() {
     inner = outer;
     outer *= 1.75;
   }
-  result = vec4(clamp(1.0 - covered / 20.0, 0.0, 1.0), 0.0, 0.0, 1.0);
+  result = vec4(clamp(1.0 - covered / float(SKY_TAPS), 0.0, 1.0), 0.0, 0.0, 1.0);
 }
 )";
 
@@ -325,8 +329,8 @@ void main() {
 
 }  // namespace
 
-ShaderSources::ShaderSources(bool sample_mask) {
-  const std::string head = shader_head(sample_mask);
+ShaderSources::ShaderSources(bool sample_mask, const Detail& detail) {
+  const std::string head = shader_head(sample_mask, detail);
   const std::string color = head + shader_color();
   const std::string lit_vertex = head + shader_floor_light();
   const std::string light = color + shader_base_color() + shader_light();

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "render/quality.hpp"
+
 namespace deforma {
 
 /// The places that all programs share.
@@ -29,8 +31,9 @@ struct ShaderSource {
 constexpr int max_samples = 8;
 
 /// @param sample_mask whether the driver has GLSL 4.00, whose fragments choose their samples
+/// @param detail how many taps shadows take
 struct ShaderSources {
-  explicit ShaderSources(bool sample_mask);
+  ShaderSources(bool sample_mask, const Detail& detail);
   ShaderSource mesh;          ///< lit triangles
   ShaderSource glass;         ///< translucent triangles
   ShaderSource glass_edge;    ///< their rims and creases, as lines

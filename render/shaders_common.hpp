@@ -2,10 +2,12 @@
 
 #include <string>
 
+#include "render/quality.hpp"
+
 namespace deforma {
 
-/// The first lines of every shader: version, the uniform block `Frame`.
-std::string shader_head(bool sample_mask);
+/// The first lines of every shader: version, how many taps shadows take, the uniform block `Frame`.
+std::string shader_head(bool sample_mask, const Detail& detail);
 
 /// Tone map, dither and the picture's backdrop, for everything that writes colour.
 std::string shader_color();

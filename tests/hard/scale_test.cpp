@@ -61,7 +61,7 @@ Image picture_of(const State& state, const Vec3& origin) {
   RendererSettings settings;
   settings.width = 160;
   settings.height = 120;
-  settings.shadow_size = 256;
+  settings.detail.shadow_size = 256;
   return Renderer(settings).draw(frame);
 }
 

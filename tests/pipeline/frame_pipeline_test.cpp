@@ -20,7 +20,7 @@ RendererSettings small() {
   RendererSettings settings;
   settings.width = 16;
   settings.height = 16;
-  settings.samples = 1;
+  settings.detail.antialiasing.samples = 1;
   return settings;
 }
 

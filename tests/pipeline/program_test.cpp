@@ -256,6 +256,7 @@ TEST(Program, MistakesEndWithTwoOneMessageAndNothingLeft) {
       {run_line(good, out, "--frames a:b"), "expected A:B"},
       {run_line(good, out, "--size 640"), "expected WxH"},
       {run_line(good, out, "--size 0x9"), "--size 0x9: output.size: 0 pixels is outside"},
+      {run_line(good, out, "--quality nice"), "--quality nice: output.quality: unknown choice 'nice'"},
       {run_line(good, out, "--view solid"), "--view solid: output.view: unknown choice 'solid'"},
       {run_line(good, out, "--platform windows"), "windows"},
       {run_line(good, out, "--set body.0.densty=3"), "unknown key 'densty'; did you mean 'density'?"},

@@ -171,6 +171,19 @@ TEST(Run, TheReportListsWhatRanAndNothingElse) {
   EXPECT_GT(report["ledger"]["last_frame"]["kinetic"].get<double>(), 0.0);
 }
 
+TEST(Run, TheReportSaysHowEdgesWereSmoothed) {
+  Scratch scratch;
+  std::string text = small_scene();
+  text.insert(text.find("size ="), "video = \"none\"\nquality = \"draft\"\n");
+  run_text(scratch, text, "draft", FrameRange{1, 1});
+  EXPECT_EQ(json::parse(read_text_file(scratch / "draft/report.json"))["renderer"]["antialiasing"], "none");
+  text.insert(text.find("size ="), "samples = 4\n");
+  run_text(scratch, text, "samples", FrameRange{1, 1});
+  EXPECT_EQ(json::parse(read_text_file(scratch / "samples/report.json"))["renderer"]["antialiasing"],
+            "4x multisampling")
+      << "samples count more than the quality";
+}
+
 TEST(Run, TheVideoFollowsTheScene) {
   Scratch scratch;
   std::string text = small_scene();

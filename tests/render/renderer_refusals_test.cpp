@@ -19,7 +19,7 @@ RendererSettings small(int width = 160, int height = 90) {
   RendererSettings settings;
   settings.width = width;
   settings.height = height;
-  settings.shadow_size = 512;
+  settings.detail.shadow_size = 512;
   return settings;
 }
 
@@ -33,12 +33,12 @@ TEST(RendererRefusals, NameTheSize) {
   refuses(small(160, -1), "160 x -1");
   refuses(small(1000000, 90), "1000000 x 90");
   RendererSettings settings = small();
-  settings.samples = 0;
+  settings.detail.antialiasing.samples = 0;
   refuses(settings, "samples");
   settings = small();
-  settings.shadow_size = -1;
+  settings.detail.shadow_size = -1;
   refuses(settings, "shadow map");
-  settings.shadow_size = 1 << 20;
+  settings.detail.shadow_size = 1 << 20;
   refuses(settings, "shadow map");
 }
 

@@ -18,7 +18,7 @@ RendererSettings small(int width = 160, int height = 90) {
   RendererSettings settings;
   settings.width = width;
   settings.height = height;
-  settings.shadow_size = 512;
+  settings.detail.shadow_size = 512;
   return settings;
 }
 
@@ -80,7 +80,7 @@ TEST(Renderer, ResolvesEdgesInLinearLight) {
   const Shape sheet = rectangle({3.05, 0.0, 0.0}, {3.0, 0.0, 0.0}, {0.0, 3.0, 0.0});
   frame.meshes = {sheet.drawn({Vector3f(1.0f, 1.0f, 1.0f), 1.0f, 1.0f, false})};
   RendererSettings settings = small();
-  settings.shadow_size = 0;
+  settings.detail.shadow_size = 0;
   const Image image = Renderer(settings).draw(frame);
   const double full = pixel(image, 90, 45)[0], half = pixel(image, 80, 45)[0];
   EXPECT_GT(full, 200.0);
@@ -98,7 +98,7 @@ TEST(Renderer, ToneMapsAFlatColourAsPublished) {
   const Vector3f color(0.9f, 0.6f, 0.4f);
   frame.meshes = {sheet.drawn({color, 1.0f, 1.0f, false})};
   RendererSettings settings = small();
-  settings.shadow_size = 0;
+  settings.detail.shadow_size = 0;
   const auto p = pixel(Renderer(settings).draw(frame), 80, 45);
   Vector3d radiance;
   for (int i = 0; i < 3; ++i) radiance[i] = 0.5 * (0.96 * to_linear(color[i]) + 0.04 * (0.75 + 0.35));
@@ -158,7 +158,7 @@ TEST(Renderer, ThrowsAShadowOnTheGround) {
   const Image meshed = renderer.draw(frame);
   // The light runs 2 m down and so 2 m to the right: the shadow's middle is at x = 1, picture x = 90.
   RendererSettings without = small();
-  without.shadow_size = 0;
+  without.detail.shadow_size = 0;
   const int lit = brightness(Renderer(without).draw(frame), 90, 45), dark = brightness(meshed, 90, 45);
   EXPECT_LT(dark, 0.8 * lit);
   EXPECT_GT(dark, 0.2 * lit) << "the sky still lights it";
@@ -366,9 +366,9 @@ TEST(Renderer, SharesItsCostOutAmongThePasses) {
 
 TEST(Renderer, LowersSamplesToWhatThereIs) {
   RendererSettings settings = small();
-  settings.samples = 1000;
+  settings.detail.antialiasing.samples = 1000;
   EXPECT_NO_THROW(Renderer(settings).draw(from_above(9.0)));
-  settings.samples = 1;
+  settings.detail.antialiasing.samples = 1;
   EXPECT_NO_THROW(Renderer(settings).draw(from_above(9.0)));
 }
 

@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include "picture.hpp"
+
+namespace deforma {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+RendererSettings small() {
+  RendererSettings settings{160, 90, {}};
+  settings.detail.shadow_size = 512;
+  return settings;
+}
+
+// Seen along its normal, metal shows the ceiling in its own colour, (0.75 + 0.35) of the sky when it is rough, and
+// scatters nothing.
+TEST(Look, MetalMirrorsTheSkyInItsColour) {
+  FrameContent frame = from_above(9.0);
+  frame.light.intensity = 0.0f;
+  frame.light.ambient = 0.5f;
+  const Shape sheet = rectangle({0, 0, 0}, {3, 0, 0}, {0, 3, 0});
+  const Vector3f gold(0.9f, 0.7f, 0.4f);
+  frame.meshes = {sheet.drawn({.color = gold, .roughness = 1.0f, .metallic = 1.0f})};
+  const auto p = pixel(Renderer(small()).draw(frame), 80, 45);
+  Vector3d radiance;
+  for (int i = 0; i < 3; ++i) radiance[i] = 0.5 * (0.75 + 0.35) * to_linear(gold[i]);
+  const double least = radiance.minCoeff(), offset = least < 0.08 ? least - 6.25 * least * least : 0.04;
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(p[i], to_srgb(radiance[static_cast<Eigen::Index>(i)] - offset), 2.0) << "channel " << i;
+}
+
+TEST(Look, PolishedMetalShowsCeilingAndWallsWherePaintIsEven) {
+  FrameContent frame;
+  frame.camera.eye = {0, -6, 0.01};
+  frame.camera.field_of_view = 35.0;
+  frame.light.intensity = 0.0f;
+  const Shape body = ball({0, 0, 0}, 1.5, 64);
+  const auto contrast = [&](float metallic) {
+    frame.meshes = {body.drawn({.color = {0.8f, 0.8f, 0.8f}, .roughness = 0.1f, .metallic = metallic})};
+    const Image image = Renderer(small()).draw(frame);
+    // Upper half of the ball: reflects the ceiling above, the walls near the middle.
+    return std::pair(brightness(image, 80, 22), brightness(image, 80, 42));
+  };
+  const auto [metal_ceiling, metal_wall] = contrast(1.0f);
+  const auto [paint_high, paint_middle] = contrast(0.0f);
+  EXPECT_GT(metal_ceiling, metal_wall + 150);
+  EXPECT_LT(std::abs(paint_high - paint_middle), 150);
+}
+
+TEST(Look, AStopDoublesAllLightButNotTheBackground) {
+  const Shape body = ball({0, 0, 0}, 1.0, 32);
+  const DrawnGround ground{-1.0, {0.4f, 0.4f, 0.4f}};
+  FrameContent frame;
+  frame.camera.eye = {3, -6, 3};
+  frame.ground = &ground;
+  frame.meshes = {body.drawn({.color = {0.3f, 0.3f, 0.3f}})};
+  Renderer renderer(small());
+  const Image plain = renderer.draw(frame);
+  frame.light.exposure = 1.0f;
+  const Image exposed = renderer.draw(frame);
+  frame.light.exposure = 0.0f;
+  frame.light.intensity *= 2.0f;
+  frame.light.ambient *= 2.0f;
+  EXPECT_LE(largest_difference(exposed, renderer.draw(frame)), 1);
+  EXPECT_GT(brightness(exposed, 80, 45), brightness(plain, 80, 45) + 60);
+  EXPECT_NEAR(brightness(exposed, 80, 0), brightness(plain, 80, 0), 6);
+}
+
+TEST(Look, ContactIsDarkerThanOpenGround) {
+  const Shape body = ball({0, 0, 0}, 1.0, 48);
+  const DrawnGround ground{-1.0, {0.7f, 0.7f, 0.7f}};
+  FrameContent frame;
+  frame.camera.eye = {0, -6, 1.5};
+  frame.ground = &ground;
+  frame.light.intensity = 0.0f;  // only the sky: nothing is a shadow of the key light
+  frame.meshes = {body.drawn({})};
+  for (const std::string_view quality : quality_names()) {
+    RendererSettings settings = small();
+    settings.detail = detail_of(quality);
+    const Image image = Renderer(settings).draw(frame);
+    int bottom = 0;  // the lowest pixel of the ball in the middle of the picture, which is red
+    for (int y = 0; y < 90; ++y)
+      if (pixel(image, 80, y)[0] > pixel(image, 80, y)[2] + 20) bottom = y;
+    EXPECT_LT(brightness(image, 80, bottom + 3), 0.75 * brightness(image, 10, 80)) << quality;
+    EXPECT_LT(brightness(image, 80, bottom + 3), brightness(image, 80, bottom + 12)) << quality;
+  }
+}
+
+}  // namespace
+}  // namespace deforma
