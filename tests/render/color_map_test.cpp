@@ -91,12 +91,12 @@ RendererSettings small() {
   RendererSettings settings;
   settings.width = 160;
   settings.height = 90;
-  settings.shadow_size = 512;
+  settings.detail.shadow_size = 512;
   return settings;
 }
 
 Look look_of(const Rgb& color) {
-  return {Vector3f(color[0], color[1], color[2]) / 255.0f, 1.0f, 0.5f, false};
+  return {.color = Vector3f(color[0], color[1], color[2]) / 255.0f};
 }
 
 TEST(DrawByValue, EqualsADrawingInTheMapsColour) {
