@@ -29,6 +29,10 @@ void Coloring::add(const Scene& scene, const State& state, const Snapshot& snaps
   }
 }
 
+ColorBar Coloring::bar() const {
+  return {scale, std::string(field->title), std::string(field->unit), field->least < scale.low};
+}
+
 void Coloring::settle() {
   if (!automatic) return;
   const auto [low, high] = values.range();

@@ -5,6 +5,7 @@
 #include "pipeline/drawing.hpp"
 #include "pipeline/scene.hpp"
 #include "pipeline/value_range.hpp"
+#include "render/color_bar.hpp"
 #include "render/color_map.hpp"
 #include "sim/fields.hpp"
 
@@ -22,6 +23,9 @@ struct Coloring {
 
   /// Takes account of what a frame shows of visible bodies.
   void add(const Scene& scene, const State& state, const Snapshot& snapshot);
+
+  /// The legend, with the range as it is now.
+  ColorBar bar() const;
 
   /// Finds the range, if it is automatic, from the frames so far.
   void settle();

@@ -24,7 +24,7 @@ bool is_own_frame(const std::string& name) {
 
 bool is_own_file(const std::string& name) {
   static const std::regex own(
-      R"(report\.json|scene\.toml|\.(report\.json|scene\.toml)\.part|)"
+      R"(report\.json|scene\.toml|colorbar\.svg|\.colorbar\.[0-9]+\.part\.svg|\.(report\.json|scene\.toml)\.part|)"
       R"(\.snapshots\.[A-Za-z0-9]{6}|(video|\.video\.[0-9]+\.part)\.(mp4|mkv|mov|webm|gif))");
   return std::regex_match(name, own);
 }

@@ -28,6 +28,7 @@ class OutputFolder {
   const std::filesystem::path& path() const { return folder_; }
   std::filesystem::path frame_file(int frame) const;  ///< frames/0001.png, ...
   std::filesystem::path video_file(const std::string& extension) const;
+  std::filesystem::path color_bar_file() const { return folder_ / "colorbar.svg"; }
   std::filesystem::path report_file() const { return folder_ / "report.json"; }
   std::filesystem::path scene_file() const { return folder_ / "scene.toml"; }
 

@@ -165,6 +165,7 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
     progress.frame_done(frame);
   }};
   if (video) writers.push_back([&](int, const Image& image) { video->add(image); });
+  std::optional<ColorBarOverlay> color_bar;  // made before the first frame is handed over
   watch.lap();
   try {
     pipeline.start(
@@ -172,13 +173,19 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
           Image image = renderer.draw(drawing.content(snapshot));
           record.drawing = renderer.cost();
           record.antialiasing = renderer.antialiasing();
+          if (color_bar) color_bar->draw(image);
           return image;
         },
         std::move(writers));
     record.first = world.solver->ledger();
     bool colors_known = !record.coloring;
     const auto hand_over = [&](Snapshot snapshot) {
-      if (!colors_known) drawing.color_by(record.coloring->scale);
+      if (!colors_known) {
+        drawing.color_by(record.coloring->scale);
+        const ColorBar bar = record.coloring->bar();
+        write_color_bar(folder.color_bar_file(), bar);
+        if (scene.output.color_bar) color_bar.emplace(bar, scene.output.width, scene.output.height);
+      }
       colors_known = true;
       pipeline.push(std::move(snapshot));
     };

@@ -28,6 +28,7 @@ struct OutputSpec {
   std::string color_map = "automatic";
   std::optional<std::array<double, 2>>
       color_range;  ///< [SI unit of the field]; found over the run when absent
+  bool color_bar = true;  ///< drawn into the frames
 };
 
 struct SolverSpec {

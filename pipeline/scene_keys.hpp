@@ -44,6 +44,7 @@ void describe(Io& io, OutputSpec& output) {
   io.choice("color_by", output.color_by, choices_after("none", field_names()));
   io.choice("color_map", output.color_map, choices_after("automatic", color_map_names()));
   io.range("color_range", output.color_range);
+  io.value("color_bar", output.color_bar);
 }
 
 template <typename Io>
