@@ -21,6 +21,17 @@ struct RunCommand {
 };
 int run(const RunCommand& command);
 
+/// `deforma figure`: composes frames of scenes to a figure, as PNG, PDF and SVG.
+struct FigureCommand {
+  std::string figure;          ///< file, or the name of a shipped one
+  std::string folder = "out";  ///< to write to
+  std::string platform = "auto";
+  bool overwrite = false;
+  bool quiet = false;
+  int threads = 0;  ///< 0: all
+};
+int make_figure(const FigureCommand& command);
+
 /// `deforma check`: validates a scene and says what running it takes.
 int check(const SceneOptions& options);
 

@@ -40,14 +40,16 @@ fs::path assets_folder() {
   return DEFORMA_ASSETS_FALLBACK;
 }
 
-fs::path find_scene(const std::string& argument) {
+namespace {
+
+/// A file, or the name of one in a folder of the assets.
+fs::path find_text(const std::string& argument, std::string_view kind, const fs::path& shipped) {
   if (is_file(argument)) return argument;
-  fs::path shipped = assets_folder() / "scenes";
   for (const std::string& name : {argument, argument + ".toml"})
     if (is_file(shipped / name)) return shipped / name;
   std::error_code ignored;
   if (fs::is_directory(argument, ignored))
-    throw UserError(fmt::format("{}: is a folder; expected a scene file (.toml)", argument));
+    throw UserError(fmt::format("{}: is a folder; expected a {} file (.toml)", argument, kind));
   fs::path wanted(argument);
   fs::path folder = wanted.has_parent_path() ? wanted.parent_path() : fs::path(".");
   std::vector<std::string> names = file_names(folder, ".toml");
@@ -55,9 +57,19 @@ fs::path find_scene(const std::string& argument) {
   for (const std::string& name : file_names(shipped, ".toml"))
     shipped_names.push_back(fs::path(name).stem().string());
   names.insert(names.end(), shipped_names.begin(), shipped_names.end());
-  throw UserError(fmt::format("{}: no such scene file{} (shipped scenes: {})", argument,
-                              did_you_mean(wanted.filename().string(), names),
+  throw UserError(fmt::format("{}: no such {} file{} (shipped {}s: {})", argument, kind,
+                              did_you_mean(wanted.filename().string(), names), kind,
                               fmt::join(shipped_names, ", ")));
+}
+
+}  // namespace
+
+fs::path find_scene(const std::string& argument) {
+  return find_text(argument, "scene", assets_folder() / "scenes");
+}
+
+fs::path find_figure(const std::string& argument) {
+  return find_text(argument, "figure", assets_folder() / "figures");
 }
 
 fs::path find_mesh(const std::string& name, const fs::path& scene_file) {

@@ -14,6 +14,9 @@ std::filesystem::path assets_folder();
 /// @throws UserError with the nearest name.
 std::filesystem::path find_scene(const std::string& argument);
 
+/// The same for a figure.
+std::filesystem::path find_figure(const std::string& argument);
+
 /// The mesh that a scene means: relative to the scene's folder, or an installed one.
 /// @return an empty path when there is none
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& scene_file);

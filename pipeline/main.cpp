@@ -19,6 +19,7 @@ namespace {
 struct CommandLine {
   CLI::App program{"Animations of deforming solids, simulated and rendered without a display", "deforma"};
   RunCommand run_options;
+  FigureCommand figure_options;
   SceneOptions check_options;
   std::string mesh;
   NewCommand new_options;
@@ -28,6 +29,7 @@ struct CommandLine {
 
   CommandLine() {
     add_run();
+    add_figure();
     CLI::App* command = add("check", "Validate a scene and say what running it takes",
                             [this] { return check(check_options); });
     add_scene_options(*command, check_options);
@@ -107,6 +109,23 @@ struct CommandLine {
     command->add_flag("--no-video", options.no_video, "Write the frames only");
     command->add_flag("--overwrite", options.overwrite,
                       "Replace the frames, video and report of an earlier run");
+    command->add_flag("--quiet", options.quiet, "Say nothing but errors");
+  }
+
+  void add_figure() {
+    FigureCommand& options = figure_options;
+    CLI::App* command = add("figure", "Compose frames of scenes to a figure, as PNG, PDF and SVG",
+                            [this] { return make_figure(figure_options); });
+    command->add_option("figure", options.figure, "Figure file, or the name of a shipped one")->required();
+    command->add_option("-o,--output", options.folder, "Folder to write to; out by default")
+        ->type_name("DIR");
+    command
+        ->add_option("--platform", options.platform, "Where to draw: auto, device:N, surfaceless or default")
+        ->type_name("PLATFORM");
+    command->add_option("--threads", options.threads, "How many threads simulate; all by default")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+    command->add_flag("--overwrite", options.overwrite, "Replace the figure's files");
     command->add_flag("--quiet", options.quiet, "Say nothing but errors");
   }
 

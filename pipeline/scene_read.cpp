@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "pipeline/encoding_keys.hpp"
 #include "pipeline/files.hpp"
@@ -13,6 +11,7 @@
 #include "pipeline/scene.hpp"
 #include "pipeline/scene_keys.hpp"
 #include "pipeline/settings_table.hpp"
+#include "pipeline/toml_text.hpp"
 
 namespace deforma {
 
@@ -179,26 +178,12 @@ void check_names(std::vector<Named>& things, const std::vector<const toml::table
   }
 }
 
-toml::table parse_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream || text.str().empty())
-    throw UserError(fmt::format("{}: cannot be read, or is empty", file.string()));
-  try {
-    return toml::parse(text.str(), file.string());
-  } catch (const toml::parse_error& error) {
-    throw UserError(fmt::format("{}:{}: not valid TOML: {}", file.string(), error.source().begin.line,
-                                error.description()));
-  }
-}
-
 }  // namespace
 
 int Scene::frames() const { return std::max(1, static_cast<int>(std::lround(duration * fps))); }
 
 Scene load_scene(const std::filesystem::path& file, const std::vector<Override>& overrides) {
-  toml::table root = parse_file(file);
+  toml::table root = parse_toml_file(file);
   for (const Override& given : overrides) apply_override(root, given);
 
   Scene scene;

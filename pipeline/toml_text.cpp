@@ -3,8 +3,11 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+
+#include "pipeline/user_error.hpp"
 
 namespace deforma {
 
@@ -88,5 +91,19 @@ std::string to_toml_text(const toml::table& table) {
 }
 
 std::string to_json_text(const toml::table& table) { return to_json(table).dump(); }
+
+toml::table parse_toml_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream || text.str().empty())
+    throw UserError(fmt::format("{}: cannot be read, or is empty", file.string()));
+  try {
+    return toml::parse(text.str(), file.string());
+  } catch (const toml::parse_error& error) {
+    throw UserError(fmt::format("{}:{}: not valid TOML: {}", file.string(), error.source().begin.line,
+                                error.description()));
+  }
+}
 
 }  // namespace deforma

@@ -2,9 +2,13 @@
 
 #include <toml++/toml.h>
 
+#include <filesystem>
 #include <string>
 
 namespace deforma {
+
+/// Reads a TOML file. @throws UserError naming file and line.
+toml::table parse_toml_file(const std::filesystem::path& file);
 
 /// A node as TOML in one line.
 std::string to_inline_text(const toml::node& node);

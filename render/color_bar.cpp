@@ -6,27 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <stdexcept>
 
+#include "render/cairo_parts.hpp"
 #include "render/temporary_file.hpp"
 
 namespace deforma {
 namespace {
-
-struct Release {
-  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
-  void operator()(cairo_t* context) const { cairo_destroy(context); }
-  void operator()(cairo_pattern_t* pattern) const { cairo_pattern_destroy(pattern); }
-  void operator()(cairo_font_options_t* options) const { cairo_font_options_destroy(options); }
-};
-template <class T>
-using Owned = std::unique_ptr<T, Release>;
-
-void check(cairo_status_t status, const std::string& what) {
-  if (status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error(fmt::format("{}: {}", what, cairo_status_to_string(status)));
-}
 
 /// What stands beside the bar: numbers in a unit that suits them.
 struct Label {
@@ -70,12 +56,12 @@ class BarDrawing {
  public:
   BarDrawing(const ColorBar& bar, double font, double bar_height)
       : bar_(bar), labels_(labels_of(bar)), font_(font), bar_height_(bar_height) {
-    const Owned<cairo_surface_t> surface(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1));
-    const Owned<cairo_t> cairo(cairo_create(surface.get()));
-    set_font(cairo.get());
+    const CairoOwned<cairo_surface_t> surface(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1));
+    const CairoOwned<cairo_t> cairo(cairo_create(surface.get()));
+    set_lettering(cairo.get(), font_);
     for (const Label& tick : labels_.ticks) widest_ = std::max(widest_, advance(cairo.get(), tick.text));
     title_length_ = advance(cairo.get(), labels_.title);
-    check(cairo_status(cairo.get()), "the colour bar");
+    check_cairo(cairo_status(cairo.get()), "the colour bar");
   }
 
   double width() const { return title_x() + 1.1 * font_; }
@@ -85,7 +71,7 @@ class BarDrawing {
   }
 
   void draw(cairo_t* cairo, bool panel) const {
-    set_font(cairo);
+    set_lettering(cairo, font_);
     if (panel) draw_panel(cairo);
     draw_map(cairo);
     for (const Label& tick : labels_.ticks) draw_tick(cairo, tick);
@@ -94,7 +80,7 @@ class BarDrawing {
     cairo_rotate(cairo, -0.5 * M_PI);
     cairo_show_text(cairo, labels_.title.c_str());
     cairo_restore(cairo);
-    check(cairo_status(cairo), "the colour bar");
+    check_cairo(cairo_status(cairo), "the colour bar");
   }
 
  private:
@@ -110,16 +96,6 @@ class BarDrawing {
   double text_x() const { return right() + 0.65 * font_; }
   double title_x() const { return text_x() + widest_ + 1.35 * font_; }
   double y_of(double value) const { return bottom() - bar_.scale.place(value) * bar_height_; }
-
-  void set_font(cairo_t* cairo) const {
-    const Owned<cairo_font_options_t> options(cairo_font_options_create());
-    cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
-    cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_SLIGHT);
-    cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
-    cairo_set_font_options(cairo, options.get());
-    cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cairo, font_);
-  }
 
   static double advance(cairo_t* cairo, const std::string& text) {
     cairo_text_extents_t extents;
@@ -161,7 +137,7 @@ class BarDrawing {
     cairo_rectangle(cairo, left(), bottom(), right() - left(), end());
     set_color(cairo, map.below);
     cairo_fill(cairo);
-    const Owned<cairo_pattern_t> colors(cairo_pattern_create_linear(0.0, bottom(), 0.0, top()));
+    const CairoOwned<cairo_pattern_t> colors(cairo_pattern_create_linear(0.0, bottom(), 0.0, top()));
     for (std::size_t k = 0; k < map.colors.size(); ++k)
       cairo_pattern_add_color_stop_rgb(colors.get(), static_cast<double>(k) / 255.0, map.colors[k][0] / 255.0,
                                        map.colors[k][1] / 255.0, map.colors[k][2] / 255.0);
@@ -186,7 +162,6 @@ class BarDrawing {
     cairo_show_text(cairo, tick.text.c_str());
   }
 
-  static constexpr Rgb ink = {24, 26, 30};
   const ColorBar& bar_;
   Labels labels_;
   double font_, bar_height_;
@@ -194,6 +169,31 @@ class BarDrawing {
 };
 
 }  // namespace
+
+void check_cairo(cairo_status_t status, const std::string& what) {
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw std::runtime_error(fmt::format("{}: {}", what, cairo_status_to_string(status)));
+}
+
+void set_lettering(cairo_t* cairo, double size, bool bold) {
+  const CairoOwned<cairo_font_options_t> options(cairo_font_options_create());
+  cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_SLIGHT);
+  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(cairo, options.get());
+  cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo, size);
+}
+
+BarExtent color_bar_extent(const ColorBar& bar, double font, double bar_height) {
+  const BarDrawing drawing(bar, font, bar_height);
+  return {drawing.width(), drawing.height()};
+}
+
+void draw_color_bar(cairo_t* cairo, const ColorBar& bar, double font, double bar_height, bool panel) {
+  BarDrawing(bar, font, bar_height).draw(cairo, panel);
+}
 
 std::vector<double> round_ticks(double low, double high) {
   const double least = (high - low) / 8.0;
@@ -216,13 +216,13 @@ ColorBarOverlay::ColorBarOverlay(const ColorBar& bar, int width, int height)
   left_ = width - panel_width_ - static_cast<int>(font);
   top_ = (height - panel_height_) / 2;
   pixels_.resize(static_cast<std::size_t>(panel_width_) * static_cast<std::size_t>(panel_height_));
-  const Owned<cairo_surface_t> surface(cairo_image_surface_create_for_data(
+  const CairoOwned<cairo_surface_t> surface(cairo_image_surface_create_for_data(
       reinterpret_cast<unsigned char*>(pixels_.data()), CAIRO_FORMAT_ARGB32, panel_width_, panel_height_,
       4 * panel_width_));
-  const Owned<cairo_t> cairo(cairo_create(surface.get()));
+  const CairoOwned<cairo_t> cairo(cairo_create(surface.get()));
   drawing.draw(cairo.get(), true);
   cairo_surface_finish(surface.get());
-  check(cairo_surface_status(surface.get()), "the colour bar");
+  check_cairo(cairo_surface_status(surface.get()), "the colour bar");
 }
 
 void ColorBarOverlay::draw(Image& image) const {
@@ -251,13 +251,13 @@ void write_color_bar(const std::filesystem::path& file, const ColorBar& bar) {
   constexpr double point = 72.0 / 25.4;  // per mm
   const BarDrawing drawing(bar, 9.0, 46.0 * point);
   TemporaryFile temporary(file);
-  const Owned<cairo_surface_t> surface(
+  const CairoOwned<cairo_surface_t> surface(
       cairo_svg_surface_create(temporary.path().c_str(), drawing.width(), drawing.height()));
-  const Owned<cairo_t> cairo(cairo_create(surface.get()));
-  check(cairo_status(cairo.get()), file.string());
+  const CairoOwned<cairo_t> cairo(cairo_create(surface.get()));
+  check_cairo(cairo_status(cairo.get()), file.string());
   drawing.draw(cairo.get(), false);
   cairo_surface_finish(surface.get());
-  check(cairo_surface_status(surface.get()), file.string());
+  check_cairo(cairo_surface_status(surface.get()), file.string());
   temporary.rename();
 }
 

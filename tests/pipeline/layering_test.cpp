@@ -29,8 +29,8 @@ const std::map<std::string, std::set<std::string>> own_libraries = {
     {"sim", {"nanoflann.hpp"}},
     {"assets", {"assimp", "nanoflann.hpp"}},
     {"render",
-     {"epoxy", "EGL", "png.h", "cairo.h", "cairo-svg.h", "libavcodec", "libavformat", "libavutil",
-      "libswscale"}},
+     {"epoxy", "EGL", "png.h", "cairo.h", "cairo-pdf.h", "cairo-svg.h", "libavcodec", "libavformat",
+      "libavutil", "libswscale"}},
     {"pipeline", {"CLI", "nlohmann", "toml++"}},
 };
 

@@ -28,7 +28,7 @@ std::string run_line(const fs::path& scene, const fs::path& folder, const std::s
 }
 
 TEST(Program, HelpAndVersionEverywhere) {
-  for (const char* command : {"", "run", "check", "effects", "mesh", "new", "bench"}) {
+  for (const char* command : {"", "run", "figure", "check", "effects", "mesh", "new", "bench"}) {
     Said help = deforma_program(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.text, HasSubstr("Usage:"));
