@@ -61,12 +61,13 @@ ColorMap make_map(std::string_view name, const Knots& knots, bool diverging, std
 
 }  // namespace
 
+// The colours of their own are far from those of their map, and from each other, for the colour-blind, too.
 std::span<const ColorMap> color_maps() {
   static const std::array<ColorMap, 4> maps = {
-      make_map("viridis", viridis, false, 0xb9bdc7, 0xff5aa5, 0xd02020),
-      make_map("cividis", cividis, false, 0xc46be0, 0xff3b30, 0x00c8b4),
-      make_map("magma", magma, false, 0x3b7dd8, 0x35c46a, 0x9aa5a8),
-      make_map("coolwarm", coolwarm, true, 0x00a8a0, 0xffd21f, 0x2fae4a),
+      make_map("viridis", viridis, false, 0xccffff, 0x9933ff, 0x333300),
+      make_map("cividis", cividis, false, 0xccffff, 0x9933ff, 0x333300),
+      make_map("magma", magma, false, 0x3300ff, 0x66ccff, 0xffff33),
+      make_map("coolwarm", coolwarm, true, 0x000033, 0xffcc33, 0x3300ff),
   };
   return maps;
 }
