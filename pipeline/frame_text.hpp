@@ -1,16 +1,12 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "pipeline/scene.hpp"
 
 namespace deforma {
-
-/// SHA-256 in hexadecimal digits, as `sha256sum` prints it. Source: FIPS 180-4, by libavutil.
-std::string sha256(std::string_view text);
 
 /// What a frame's PNG says of itself: Title, Software, Scene-SHA256, Frame (counted from 1) and Time [s]. The same at
 /// every run, so that the same picture is the same file.

@@ -15,6 +15,7 @@
 #include "pipeline/snapshot_store.hpp"
 #include "pipeline/stopwatch.hpp"
 #include "pipeline/user_error.hpp"
+#include "render/sha256.hpp"
 #include "render/video.hpp"
 
 namespace deforma {
