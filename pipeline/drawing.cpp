@@ -88,6 +88,7 @@ FrameContent Drawing::content(const Snapshot& snapshot) {
   frame.camera = camera_;
   frame.light = light_;
   if (scene_.ground && scene_.ground->visible) frame.ground = &ground_;
+  frame.transparent = scene_.output.transparent;
   if (color_scale_.map) frame.color_scale = &color_scale_;
   const auto values = [](const std::vector<float>& all, const Range& part) {
     return all.empty() ? std::span<const float>() : std::span(all).subspan(part.begin, part.size());

@@ -5,11 +5,12 @@
 namespace deforma {
 
 EncodingRequest encoding_request(const OutputSpec& output) {
-  return {output.codec.value_or(""), output.preset.value_or(""), output.pixel_format.value_or(""),
-          output.crf};
+  return {output.codec.value_or(""), output.preset.value_or(""), output.pixel_format.value_or(""), output.crf,
+          output.transparent};
 }
 
 void resolve_encoding(const toml::table& scene, OutputSpec& output) {
+  if (output.transparent && !scene.at_path("output.video")) output.video = "mov";
   if (output.video == "none") return;
   try {
     const Encoding encoding = choose_encoding(output.video, encoding_request(output));

@@ -106,6 +106,9 @@ struct CommandLine {
     command->add_option("--crf", options.scene.crf, "Quality of the video, lower is better")->type_name("N");
     command->add_option("--pix-fmt", options.scene.pixel_format, "Pixel format of the video, such as yuv444p")
         ->type_name("NAME");
+    command->add_flag(
+        "--transparent", options.scene.transparent,
+        "No floor or background: pictures and video with alpha; mov unless --video says webm or mkv");
     command->add_flag("--no-video", options.no_video, "Write the frames only");
     command->add_flag("--overwrite", options.overwrite,
                       "Replace the frames, video and report of an earlier run");

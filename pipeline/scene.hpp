@@ -21,13 +21,14 @@ struct OutputSpec {
   // How the video is encoded, as in EncodingRequest; `load_scene` fills in what the encoder has.
   std::optional<std::string> codec, preset, pixel_format;
   std::optional<int> crf;
+  bool transparent = false;          ///< straight alpha instead of floor and backdrop
   std::string view = "surface";      ///< or "particles", "both"
   std::string quality = "standard";  ///< or "draft", "final"
   std::optional<int> samples;        ///< multisampling; that of the quality when absent
   std::string color_by = "none";     ///< a field, whose values colour the bodies
   std::string color_map = "automatic";
   std::optional<std::array<double, 2>>
-      color_range;  ///< [SI unit of the field]; found over the run when absent
+      color_range;        ///< [SI unit of the field]; found over the run when absent
   bool color_bar = true;  ///< drawn into the frames
 };
 

@@ -38,6 +38,7 @@ void describe(Io& io, OutputSpec& output) {
   io.value("preset", output.preset);
   io.value("pix_fmt", output.pixel_format);
   io.value("crf", output.crf, 0, 63);
+  io.value("transparent", output.transparent);
   io.choice("view", output.view, view_choices);
   io.choice("quality", output.quality, quality_names());
   io.value("samples", output.samples, 1, 32);

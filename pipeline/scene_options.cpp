@@ -31,6 +31,7 @@ Scene SceneOptions::load() const {
     if (!width || !height) throw UserError(fmt::format("--size {}: expected WxH, such as 1280x720", size));
     overrides.push_back({"output.size", fmt::format("[{}, {}]", *width, *height), "--size " + size});
   }
+  if (transparent) overrides.push_back({"output.transparent", "true", "--transparent"});
   if (portable) overrides.push_back({"solver.portable", "true", "--portable"});
   const std::array<std::array<std::string, 3>, 9> plain = {{{"view", "view", view},
                                                             {"quality", "quality", quality},

@@ -19,6 +19,7 @@ struct SceneOptions {
   std::string color_range;                              ///< LOW:HIGH
   std::string video, codec, preset, pixel_format, crf;  ///< as the keys of [output]
   int threads = 0;                                      ///< 0: all
+  bool transparent = false;                             ///< whatever the scene says
   bool portable = false;                                ///< whatever the scene says
 
   /// @throws UserError as `load_scene`, and for an option that is not of its form.

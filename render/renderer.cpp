@@ -16,6 +16,7 @@
 #include "render/picture_target.hpp"
 #include "render/scene_fit.hpp"
 #include "render/shaders.hpp"
+#include "render/straight_alpha.hpp"
 
 namespace deforma {
 namespace {
@@ -164,7 +165,7 @@ struct Renderer::Data {
     spheres.draw();
   }
 
-  void draw_opaque(bool with_ground) const {
+  void draw_opaque() const {
     for (const UploadedMesh& uploaded : geometry.meshes()) {
       if (uploaded.look.opacity < 1.0f) continue;
       use(*mesh, uploaded.look, uploaded.by_value);
@@ -172,7 +173,6 @@ struct Renderer::Data {
     }
     for (const UploadedSpheres& spheres : geometry.spheres())
       if (spheres.look.opacity >= 1.0f) draw_spheres(spheres);
-    draw_surroundings(with_ground);
   }
 
   void draw_surroundings(bool with_ground) const {
@@ -201,7 +201,7 @@ struct Renderer::Data {
   }
 
   /// Far bodies before near ones, of each the side turned away before the side turned here.
-  void draw_translucent() const {
+  void draw_translucent(bool transparent) const {
     std::vector<const UploadedMesh*> order;
     for (const UploadedMesh& uploaded : geometry.meshes())
       if (uploaded.look.opacity < 1.0f) order.push_back(&uploaded);
@@ -212,8 +212,11 @@ struct Renderer::Data {
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     for (const UploadedSpheres& spheres : geometry.spheres())
       if (spheres.look.opacity < 1.0f) draw_spheres(spheres);
-    // What is behind, times the share that passes, which the shader gives for each colour.
-    glBlendFunc(GL_ONE, GL_SRC1_COLOR);
+    // What is behind, times the share that passes, which the shader gives for each colour; over nothing for alpha, too.
+    if (transparent)
+      glBlendFunc(GL_ONE, GL_SRC1_COLOR);
+    else
+      glBlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ZERO, GL_ONE);
     draw_glass(order, true);
     for (const UploadedMesh* uploaded : order) {
       use(*glass_edge, uploaded->look, uploaded->by_value);
@@ -229,7 +232,7 @@ struct Renderer::Data {
     upload_uniforms(1);
     target->bind_plain();
     glScissor(0, 0, settings.width, settings.height);
-    begin_drawing();
+    begin_drawing(false);
     const int w = settings.width, h = settings.height;
     const PixelBox strips[] = {{0, 0, w, inner.y},
                                {0, inner.y + inner.height, w, h - inner.y - inner.height},
@@ -257,13 +260,14 @@ struct Renderer::Data {
     glBindBufferBase(GL_UNIFORM_BUFFER, ShaderPlaces::frame_block, block.id());
   }
 
-  static void begin_drawing() {
+  static void begin_drawing(bool transparent) {
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
-    glClear(GL_DEPTH_BUFFER_BIT);
+    glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+    glClear(transparent ? GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT : GL_DEPTH_BUFFER_BIT);
   }
 
   Image draw(const FrameContent& frame) {
@@ -278,20 +282,21 @@ struct Renderer::Data {
       light->draw(geometry);
       clock.end_shadow();
     }
-    const PixelBox whole = {0, 0, settings.width, settings.height};
-    const PixelBox inner = target->is_plain() ? whole
-                                              : bounds_in_picture(bounds.content, uniforms.clip,
-                                                                  settings.width, settings.height);
+    const bool all = target->is_plain() || frame.transparent;
+    const PixelBox inner =
+        all ? PixelBox{0, 0, settings.width, settings.height}
+            : bounds_in_picture(bounds.content, uniforms.clip, settings.width, settings.height);
     const bool with_ground = frame.ground != nullptr;
     glEnable(GL_FRAMEBUFFER_SRGB);
     glEnable(GL_SCISSOR_TEST);
-    if (!target->is_plain()) draw_around(inner, with_ground);
+    if (!all) draw_around(inner, with_ground);
     upload_uniforms(target->antialiasing().grid);
     target->bind_fine();
     target->clip_fine(inner);
-    begin_drawing();
-    draw_opaque(with_ground);
-    draw_translucent();
+    begin_drawing(frame.transparent);
+    draw_opaque();
+    if (!frame.transparent) draw_surroundings(with_ground);
+    draw_translucent(frame.transparent);
     clock.end_shading();
     glDisable(GL_SCISSOR_TEST);
     target->resolve(inner);
@@ -299,6 +304,7 @@ struct Renderer::Data {
     Image image = target->read();
     glDisable(GL_FRAMEBUFFER_SRGB);
     clock.end_frame(cost);
+    if (frame.transparent) make_straight(image);
     return image;
   }
 

@@ -65,6 +65,8 @@ struct FrameContent {
   Camera camera;
   Light light;
   Eigen::Vector3f background = {0.93f, 0.94f, 0.95f};
+  /// Neither floor nor backdrop is seen, though the floor's light is; the picture has straight alpha.
+  bool transparent = false;
 };
 
 struct RendererSettings {

@@ -78,9 +78,10 @@ void main() {
              + mirror * (studio(r, finish.x, from_floor) + key.w * 7.0 * (1.0 - finish.x) * lamps(r))
              + directional(vec3(0.0), vec3(0.04), alpha, n, v, nv, key_to.xyz, key.rgb)
              + directional(vec3(0.0), vec3(0.04), alpha, n, v, nv, rim_to.xyz, rim.rgb);
-  passed = vec4((1.0 - mirror) * (1.0 - body + 0.5 * body * base), 0.0);
-  float covered = 1.0 - passed.g;
-  result = vec4(tone_map(shade / covered) * covered, 1.0);
+  vec3 share = (1.0 - mirror) * (1.0 - body + 0.5 * body * base);
+  float covered = 1.0 - share.g;
+  passed = vec4(share, share.g);
+  result = vec4(tone_map(shade / covered) * covered, covered);
 }
 )";
 
@@ -89,8 +90,8 @@ const char* const glass_edge_fragment = R"(
 layout(location = 0, index = 1) out vec4 passed;
 void main() {
   vec3 base = own_color();
-  result = vec4(tone_map(base * (key.w + 0.5 * inverse_pi * key.rgb)) * 0.35, 1.0);
-  passed = vec4(0.45 * base, 0.0);
+  passed = 0.45 * vec4(base, base.g);
+  result = vec4(tone_map(base * (key.w + 0.5 * inverse_pi * key.rgb)) * 0.35, 1.0 - passed.a);
 }
 )";
 

@@ -70,6 +70,10 @@ TEST(Program, RefusesAnEncodingByNameWithTheNearest) {
   refuses("--crf good", "--crf good: output.crf: expected");
   refuses("--video webm --preset fast", "output.preset: the codec libvpx-vp9 has no presets; leave it out");
   refuses("--video avi", "--video avi: output.video: unknown choice 'avi'");
+  refuses("--transparent --video mp4",
+          "--video mp4: output.video: 'mp4' carries no transparency (allowed: mov, mkv, webm)");
+  refuses("--transparent --codec libx264",
+          "output.codec: 'libx264' carries no transparency in mov (allowed: prores_ks, ");
   refuses("--set output.codec=ffv1",
           "--set output.codec=ffv1: output.codec: 'ffv1' is no encoder for a video in mp4");
 }

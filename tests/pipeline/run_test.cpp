@@ -93,6 +93,21 @@ TEST(Run, EncodesAsTheSceneSays) {
   EXPECT_THAT(scene, testing::Not(HasSubstr("crf"))) << "which that codec does not have";
 }
 
+TEST(Run, TransparentFramesAndVideoHaveAlpha) {
+  Scratch scratch;
+  std::string text = small_scene();
+  text.insert(text.find("size ="), "transparent = true\n");
+  run_text(scratch, text, "out", FrameRange{1, 2});
+  const Image frame = read_png(scratch / "out/frames/0001.png");
+  EXPECT_EQ(frame.rgba[3], 0) << "the corner";
+  std::size_t covered = 0;
+  for (std::size_t alpha = 3; alpha < frame.rgba.size(); alpha += 4) covered += frame.rgba[alpha] == 255;
+  EXPECT_GT(covered, 100u);
+  const VideoFacts video = inspect_video(scratch / "out/video.mov");
+  EXPECT_EQ(video.codec, "prores");
+  EXPECT_THAT(video.pixel_format, testing::StartsWith("yuva444p"));
+}
+
 TEST(Run, EveryFrameSaysWhatItShows) {
   Scratch scratch;
   run_text(scratch, "name = \"falls\"\n" + small_scene(), "first", FrameRange{3, 4});

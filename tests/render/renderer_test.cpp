@@ -50,6 +50,68 @@ TEST(Renderer, ShowsTheBackgroundAsItWasGiven) {
   EXPECT_EQ(p[3], 255);
 }
 
+/// A picture with straight alpha laid over an even sRGB colour, in linear light.
+std::array<int, 4> over(const std::array<int, 4>& p, const Vector3f& below) {
+  std::array<int, 4> result = {0, 0, 0, 255};
+  const double alpha = p[3] / 255.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double behind = to_linear(static_cast<double>(below[static_cast<int>(c)]));
+    result[c] =
+        static_cast<int>(std::lround(to_srgb(alpha * to_linear(p[c] / 255.0) + (1.0 - alpha) * behind)));
+  }
+  return result;
+}
+
+TEST(Renderer, TransparentPicturesLieOverAnyBackgroundWithoutFringe) {
+  const Shape sphere = ball({0.0, 0.0, 0.0}, 2.5, 24);
+  const DrawnGround ground{-3.0, {0.8f, 0.8f, 0.8f}};
+  FrameContent frame = from_above(9.0);
+  frame.meshes = {sphere.drawn(red)};
+  frame.ground = &ground;
+  frame.transparent = true;
+  Renderer renderer(small());
+  const Image image = renderer.draw(frame);
+  EXPECT_EQ(pixel(image, 80, 45)[3], 255);
+  EXPECT_EQ(pixel(image, 5, 5)[3], 0) << "neither floor nor backdrop";
+  int edges = 0;
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const auto p = pixel(image, x, y);
+      if (p[3] == 0 || p[3] == 255) continue;
+      ++edges;
+      EXPECT_GT(p[0], p[1] + 25) << x << ' ' << y
+                                 << ": an edge has the colour of the body, not of what is behind";
+    }
+  EXPECT_GT(edges, 60);
+  // The same as if drawn before a background, but for the floor, which is not seen here, and the dither.
+  frame.ground = nullptr;
+  const Image alone = renderer.draw(frame);
+  frame.transparent = false;
+  const Image before = renderer.draw(frame);
+  for (int x = 50; x < 110; ++x) {
+    const auto p = pixel(alone, x, 45);
+    if (p[3] != 255) continue;
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(p[c], pixel(before, x, 45)[c], 1) << x;
+  }
+}
+
+TEST(Renderer, TransparentGlassLetsTheBackgroundThrough) {
+  const Shape pane = rectangle({0.0, 0.0, 0.0}, {3.0, 0.0, 0.0}, {0.0, 3.0, 0.0});
+  FrameContent frame = from_above(9.0);
+  const Look glass{Vector3f(0.8f, 0.8f, 0.8f), 0.3f, 0.8f, false};
+  frame.meshes = {pane.drawn(glass)};
+  frame.background = {0.5f, 0.5f, 0.5f};
+  Renderer renderer(small());
+  const Image before = renderer.draw(frame);
+  EXPECT_EQ(pixel(before, 80, 45)[3], 255) << "opaque pictures stay opaque behind glass";
+  frame.transparent = true;
+  const auto p = pixel(renderer.draw(frame), 80, 45);
+  EXPECT_GT(p[3], 30);
+  EXPECT_LT(p[3], 225);
+  const auto shown = over(p, {0.5f, 0.5f, 0.5f});
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(shown[c], pixel(before, 80, 45)[c], 6);
+}
+
 TEST(Renderer, CoversThePixelsOfATriangle) {
   // 9 m over 90 rows: 10 pixels a metre, the origin between pixels 79|80 and 44|45.
   Shape shape;

@@ -40,13 +40,15 @@ void write_video(const std::filesystem::path& file, const VideoSettings& setting
 }
 
 /// The first picture of a file, decoded by libav as a player would.
-libav::Frame first_picture(const std::filesystem::path& file) {
+/// @param name of the decoder; the usual one when empty
+libav::Frame first_picture(const std::filesystem::path& file, const std::string& name = "") {
   AVFormatContext* opened = nullptr;
   EXPECT_EQ(avformat_open_input(&opened, file.c_str(), nullptr, nullptr), 0);
   const libav::Input input(opened);
   EXPECT_GE(avformat_find_stream_info(input.get(), nullptr), 0);
   const AVCodec* decoder = nullptr;
   const int stream = av_find_best_stream(input.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+  if (!name.empty()) decoder = avcodec_find_decoder_by_name(name.c_str());
   const libav::Codec codec(avcodec_alloc_context3(decoder));
   avcodec_parameters_to_context(codec.get(), input->streams[stream]->codecpar);
   EXPECT_EQ(avcodec_open2(codec.get(), decoder, nullptr), 0);
@@ -309,6 +311,42 @@ TEST(VideoCodec, LosslessOnesKeepEveryPixel) {
     const libav::Frame picture = first_picture(folder / name);
     EXPECT_EQ(rgba_of(*picture).rgba, source.rgba) << codec;
     EXPECT_EQ(picture->color_range == AVCOL_RANGE_MPEG, false) << codec;
+  }
+}
+
+/// Half covered on the left, opaque in the middle, nothing on the right.
+Image half_covered(int width, int height) {
+  Image image{width, height, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (const int level : {200, 60, 30, x < 32 ? 128 : x < 64 ? 255 : 0})
+        image.rgba.push_back(static_cast<std::uint8_t>(level));
+  return image;
+}
+
+TEST(VideoCodec, CarriesStraightAlpha) {
+  const Folder folder("video_alpha");
+  VideoSettings settings;
+  settings.width = 96;
+  settings.height = 64;
+  for (const auto& [name, codec, decoder] : {std::tuple{"a.mov", "", ""},
+                                             {"b.mov", "qtrle", ""},
+                                             {"c.mov", "png", ""},
+                                             {"d.mkv", "", ""},
+                                             {"e.webm", "", "libvpx-vp9"}}) {
+    settings.encoding = {codec, "", "", std::nullopt, true};
+    VideoWriter writer(folder / name, settings);
+    for (int i = 0; i < 4; ++i) writer.add(half_covered(96, 64));
+    writer.close();
+    const libav::Frame picture = first_picture(folder / name, decoder);
+    const Image back = rgba_of(*picture);
+    for (const int x : {16, 48, 80}) {
+      const auto p = pixel(back, x, 32);
+      EXPECT_NEAR(p[3], x < 32 ? 128 : x < 64 ? 255 : 0, 6) << name << " at " << x;
+      if (p[3] > 6) {
+        EXPECT_NEAR(p[0], 200, 25) << name << " at " << x << ": not times its alpha";
+      }
+    }
   }
 }
 
