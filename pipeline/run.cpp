@@ -149,6 +149,9 @@ RunRecord run_scene(Scene scene, const RunOptions& options) {
   record.build.busy = watch.lap();
   record.context = wait_for_renderer(pipeline);
   record.build.wait = watch.lap();
+  for (const std::string& attempt : record.context.attempts)
+    world.warnings.push_back(fmt::format("cannot draw on {}; '{}' draws on {}", attempt,
+                                         record.context.platform, record.context.renderer));
   if (options.tell_warning)
     for (const std::string& warning : world.warnings) options.tell_warning(warning);
 

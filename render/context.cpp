@@ -179,18 +179,34 @@ EGLDisplay platform_display(EGLenum platform, void* native, const char* extensio
   return display;
 }
 
-std::string no_such_device(const std::string& platform, const std::vector<EGLDeviceEXT>& devices) {
+/// "device:0 (/dev/dri/card0)"; what draws in software has no file.
+std::string device_name(std::size_t number, EGLDeviceEXT device) {
   const auto query = client_function<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  const char* file = query ? query(device, EGL_DRM_DEVICE_FILE_EXT) : nullptr;
+  if (!file) eglGetError();  // that it has no file is no error of what follows
+  return file ? fmt::format("device:{} ({})", number, file) : fmt::format("device:{}", number);
+}
+
+std::string no_such_device(const std::string& platform, const std::vector<EGLDeviceEXT>& devices) {
   std::vector<std::string> present;
-  for (std::size_t number = 0; number < devices.size(); ++number) {
-    const char* file = query ? query(devices[number], EGL_DRM_DEVICE_FILE_EXT) : nullptr;
-    present.push_back(file ? fmt::format("device:{} ({})", number, file) : fmt::format("device:{}", number));
-  }
+  for (std::size_t number = 0; number < devices.size(); ++number)
+    present.push_back(device_name(number, devices[number]));
   return fmt::format(
       "there is no rendering platform '{}'; EGL lists {} device{}{}{}; auto, surfaceless and "
       "default need none",
       platform, devices.size(), devices.size() == 1 ? "" : "s", devices.empty() ? "" : ": ",
       fmt::join(present, ", "));
+}
+
+/// What the environment says to the driver and may be why nothing works, as a line each.
+std::string suspicious_environment() {
+  std::string lines;
+  for (const char* name :
+       {"__EGL_VENDOR_LIBRARY_FILENAMES", "__EGL_VENDOR_LIBRARY_DIRS", "MESA_GL_VERSION_OVERRIDE",
+        "MESA_GLSL_VERSION_OVERRIDE", "MESA_LOADER_DRIVER_OVERRIDE", "GALLIUM_DRIVER", "LIBGL_DRIVERS_PATH",
+        "LIBGL_ALWAYS_SOFTWARE", "EGL_PLATFORM"})
+    if (const char* value = std::getenv(name)) lines += fmt::format("\n  {}={}", name, value);
+  return lines.empty() ? "" : "\nThe environment may be the cause; without these it may work:" + lines;
 }
 
 /// The number N of "device:N"; nothing for another form.
@@ -211,7 +227,7 @@ struct Context::Data {
   ContextFacts facts;
 
   template <class Open>
-  bool attempt(const std::string& platform, Open open) {
+  bool attempt(const std::string& platform, Open open, const std::string& described = "") {
     try {
       auto candidate = std::make_unique<Link>(open());
       candidate->create();
@@ -223,15 +239,16 @@ struct Context::Data {
       facts.platform = platform;
       return true;
     } catch (const std::runtime_error& error) {
-      facts.attempts.push_back(fmt::format("{}: {}", platform, error.what()));
+      facts.attempts.push_back(fmt::format("{}: {}", described.empty() ? platform : described, error.what()));
       return false;
     }
   }
 
   bool attempt_device(std::size_t number, EGLDeviceEXT device) {
-    return attempt(fmt::format("device:{}", number), [&] {
-      return platform_display(EGL_PLATFORM_DEVICE_EXT, device, "EGL_EXT_platform_device");
-    });
+    return attempt(
+        fmt::format("device:{}", number),
+        [&] { return platform_display(EGL_PLATFORM_DEVICE_EXT, device, "EGL_EXT_platform_device"); },
+        device_name(number, device));
   }
 
   bool attempt_surfaceless() {
@@ -282,8 +299,8 @@ Context::Context(const ContextRequest& request) : data_(std::make_unique<Data>()
   if (!made)
     throw std::runtime_error(
         fmt::format("no OpenGL context can be had; tried\n  {}\nIs a driver installed (Debian: "
-                    "libegl-mesa0 and libgl1-mesa-dri)?",
-                    fmt::join(data_->facts.attempts, "\n  ")));
+                    "libegl-mesa0 and libgl1-mesa-dri)?{}",
+                    fmt::join(data_->facts.attempts, "\n  "), suspicious_environment()));
 }
 
 Context::~Context() = default;

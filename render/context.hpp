@@ -25,7 +25,9 @@ struct ContextFacts {
 /// An OpenGL core context without a window, current on the thread that made it.
 class Context {
  public:
-  /// @throws std::runtime_error listing every attempt with its EGL error when none works;
+  /// Of each platform the whole chain is tried, down to one pixel drawn and read back, before the next is taken.
+  /// @throws std::runtime_error listing every attempt with its EGL error, and what the environment says to the driver,
+  /// when none works;
   /// std::invalid_argument for a platform name that is none of the above or a device that EGL does not list; the
   /// message lists what there is.
   explicit Context(const ContextRequest& request = {});

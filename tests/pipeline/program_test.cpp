@@ -50,6 +50,37 @@ TEST(Program, UnknownArgumentsAreToldWithTheNearest) {
   EXPECT_EQ(deforma_program("run a.toml --threads 0").code, 2);
 }
 
+TEST(Program, DrawsOrSaysWhyNotInAnyEnvironment) {
+  Scratch scratch;
+  const fs::path scene = scratch.write("scene.toml", small_scene());
+  fs::create_directory(scratch / "empty");
+  auto draw = [&](const std::string& environment) {
+    return shell("env " + environment + " " DEFORMA_PROGRAM " " +
+                 run_line(scene, scratch / "out", "--frames 1:1 --size 96x64 --no-video --overwrite"));
+  };
+  const std::string empty = (scratch / "empty").string();
+  for (const std::string& environment :
+       {std::string("-u HOME -u XDG_RUNTIME_DIR"),
+        std::string("XDG_RUNTIME_DIR=/nonexistent HOME=/nonexistent"),
+        std::string("DISPLAY=:4711 WAYLAND_DISPLAY=nobody"), std::string("EGL_PLATFORM=x11 DISPLAY=:4711"),
+        std::string("LP_NATIVE_VECTOR_WIDTH=512")}) {
+    Said said = draw(environment);
+    EXPECT_EQ(said.code, 0) << environment << "\n" << said.text;
+    EXPECT_TRUE(fs::exists(scratch / "out/frames/0001.png")) << environment;
+  }
+  for (const std::string& environment :
+       {std::string("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent"), "__EGL_VENDOR_LIBRARY_DIRS=" + empty,
+        std::string("MESA_GL_VERSION_OVERRIDE=3.0"), std::string("MESA_GL_VERSION_OVERRIDE=2.1"),
+        "LIBGL_DRIVERS_PATH=" + empty}) {
+    Said said = draw(environment);
+    EXPECT_EQ(said.code, 1) << environment << "\n" << said.text;
+    EXPECT_THAT(said.text,
+                AllOf(HasSubstr("error: no OpenGL context can be had; tried\n  device"), HasSubstr("EGL_"),
+                      HasSubstr("\n  surfaceless: "), HasSubstr("\n  default: "),
+                      HasSubstr("without these it may work:\n  " + environment)));
+  }
+}
+
 TEST(Program, RefusesAnEncodingByNameWithTheNearest) {
   Scratch scratch;
   const fs::path scene = scratch.write("scene.toml", small_scene());
