@@ -74,6 +74,14 @@ struct BenchCommand {
 };
 int bench(const BenchCommand& command);
 
+/// `deforma doctor`: says what the program finds on this machine, and tries to draw a frame and to write a video.
+/// Returns 0 when both succeed, 1 otherwise.
+struct DoctorCommand {
+  std::string platform = "auto";  ///< as in ContextRequest
+  bool json = false;              ///< prints JSON
+};
+int doctor(const DoctorCommand& command);
+
 /// Exit codes of the program.
 enum ExitCode {
   exit_ok = 0,

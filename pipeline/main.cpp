@@ -25,6 +25,7 @@ struct CommandLine {
   NewCommand new_options;
   ValidateCommand validate_options;
   BenchCommand bench_options;
+  DoctorCommand doctor_options;
   std::function<int()> action;
 
   CommandLine() {
@@ -42,6 +43,14 @@ struct CommandLine {
         ->type_name("FILE");
     add_validate();
     add_bench();
+    command =
+        add("doctor", "Say what this machine offers, and whether a frame can be drawn and a video written",
+            [this] { return doctor(doctor_options); });
+    command->add_flag("--json", doctor_options.json, "Print it as JSON");
+    command
+        ->add_option("--platform", doctor_options.platform,
+                     "Where to draw: auto, device:N, surfaceless or default")
+        ->type_name("PLATFORM");
     program.require_subcommand(1);
     program.set_version_flag("--version", version_text());
   }

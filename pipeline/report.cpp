@@ -39,13 +39,6 @@ json to_json(const BodyFacts& body) {
           {"volume", body.volume},       {"spacing", body.spacing}};
 }
 
-json library_versions() {
-  json versions = json::object();
-  std::istringstream list(DEFORMA_LIBRARY_VERSIONS);
-  for (std::string name, version; list >> name >> version;) versions[name] = version;
-  return versions;
-}
-
 json to_json(const ContextFacts& context, const Antialiasing& antialiasing) {
   return {{"antialiasing", name_of(antialiasing)},
           {"platform", context.platform},
@@ -103,6 +96,13 @@ json time_step_of(const SolverStatistics& statistics) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> library_versions() {
+  std::vector<std::pair<std::string, std::string>> versions;
+  std::istringstream list(DEFORMA_LIBRARY_VERSIONS);
+  for (std::string name, version; list >> name >> version;) versions.emplace_back(name, version);
+  return versions;
+}
+
 std::string version_text() { return fmt::format("deforma {}", DEFORMA_VERSION); }
 
 std::string make_report(const Scene& scene, const World& world, const RunRecord& record) {
@@ -110,9 +110,11 @@ std::string make_report(const Scene& scene, const World& world, const RunRecord&
   double per_substep =
       statistics.substeps == 0 ? 0.0 : record.simulate.busy / static_cast<double>(statistics.substeps);
   double rate = record.frames_seconds > 0.0 ? record.frames_written / record.frames_seconds : 0.0;
+  json libraries = json::object();
+  for (const auto& [name, library_version] : library_versions()) libraries[name] = library_version;
   json report = {
       {"version", DEFORMA_VERSION},
-      {"libraries", library_versions()},
+      {"libraries", libraries},
       {"renderer", to_json(record.context, record.antialiasing)},
       {"ending", {{"how", name_of(record.ending)}, {"message", record.ending_message}}},
       {"scene", json::parse(scene_to_json(scene))},

@@ -40,4 +40,7 @@ std::string make_report(const Scene& scene, const World& world, const RunRecord&
 /// "deforma 0.1.0"
 std::string version_text();
 
+/// Name and version of the libraries that the program was built with.
+std::vector<std::pair<std::string, std::string>> library_versions();
+
 }  // namespace deforma

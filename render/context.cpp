@@ -303,6 +303,25 @@ Context::Context(const ContextRequest& request) : data_(std::make_unique<Data>()
                     fmt::join(data_->facts.attempts, "\n  "), suspicious_environment()));
 }
 
+std::vector<ContextFacts> Context::try_all() {
+  keep_vectors_narrow();
+  std::vector<ContextFacts> trials;
+  if (!epoxy_has_egl()) return trials;
+  const auto add = [&](const std::string& name, auto attempt) {
+    Data data;
+    attempt(data);
+    data.facts.platform = name;
+    trials.push_back(std::move(data.facts));
+  };
+  const auto devices = list_devices();
+  for (std::size_t number = 0; number < devices.size(); ++number)
+    add(device_name(number, devices[number]),
+        [&](Data& data) { data.attempt_device(number, devices[number]); });
+  add("surfaceless", [](Data& data) { data.attempt_surfaceless(); });
+  add("default", [](Data& data) { data.attempt_default(); });
+  return trials;
+}
+
 Context::~Context() = default;
 
 const ContextFacts& Context::facts() const { return data_->facts; }

@@ -37,6 +37,10 @@ class Context {
 
   const ContextFacts& facts() const;
 
+  /// Tries every platform that "auto" would, each for itself. What works has a renderer, what does not one attempt with
+  /// its reason. The platform is named with its device's file, where it has one. Empty without an EGL library.
+  static std::vector<ContextFacts> try_all();
+
   /// Binds it to the calling thread, where another context may have been made since.
   /// @throws std::runtime_error with the EGL error.
   void make_current() const;

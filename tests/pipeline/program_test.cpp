@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "pipeline/files.hpp"
@@ -28,7 +29,7 @@ std::string run_line(const fs::path& scene, const fs::path& folder, const std::s
 }
 
 TEST(Program, HelpAndVersionEverywhere) {
-  for (const char* command : {"", "run", "figure", "check", "effects", "mesh", "new", "bench"}) {
+  for (const char* command : {"", "run", "figure", "check", "effects", "mesh", "new", "bench", "doctor"}) {
     Said help = deforma_program(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.text, HasSubstr("Usage:"));
@@ -79,6 +80,33 @@ TEST(Program, DrawsOrSaysWhyNotInAnyEnvironment) {
                       HasSubstr("\n  surfaceless: "), HasSubstr("\n  default: "),
                       HasSubstr("without these it may work:\n  " + environment)));
   }
+}
+
+TEST(Program, DoctorSaysWhatThereIs) {
+  Said said = deforma_program("doctor");
+  EXPECT_EQ(said.code, 0) << said.text;
+  for (const char* word :
+       {"Eigen 3", "assimp ", "libpng ", "libavcodec ", "processor ", "surfaceless: ", "mp4: libx264",
+        "webm: libvpx-vp9", "A frame was drawn on ", "A video was written: libx264, yuv420p"})
+    EXPECT_THAT(said.text, HasSubstr(word));
+
+  const nlohmann::json found = nlohmann::json::parse(deforma_program("doctor --json").text);
+  EXPECT_TRUE(found["healthy"].get<bool>());
+  EXPECT_THAT(found["processor"]["instructions"].get<std::vector<std::string>>(),
+              testing::Contains(found["processor"]["used"].get<std::string>()));
+  EXPECT_THAT(found["frame"]["version"].get<std::string>(), HasSubstr("."));
+  for (const auto& [container, codecs] : found["encoders"].items()) EXPECT_FALSE(codecs.empty()) << container;
+
+  const std::string blind = "env __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent " DEFORMA_PROGRAM " doctor";
+  Said none = shell(blind);
+  EXPECT_EQ(none.code, 1);
+  EXPECT_THAT(none.text,
+              AllOf(HasSubstr("no: surfaceless: "), HasSubstr("No frame can be drawn: no OpenGL context"),
+                    HasSubstr("A video was written: libx264")));
+  EXPECT_FALSE(nlohmann::json::parse(shell(blind + " --json").text)["healthy"].get<bool>());
+  Said unknown = deforma_program("doctor --platform windows");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.text, HasSubstr("unknown rendering platform 'windows'"));
 }
 
 TEST(Program, RefusesAnEncodingByNameWithTheNearest) {
