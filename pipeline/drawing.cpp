@@ -13,8 +13,11 @@ constexpr float veil = 0.25f;
 constexpr double ball_radius = 0.42;
 
 Look look_of(const LookSpec& spec) {
-  return {spec.color.cast<float>(), static_cast<float>(spec.opacity), static_cast<float>(spec.roughness),
-          spec.flat, static_cast<float>(spec.metallic)};
+  Look look{spec.color.cast<float>(),           static_cast<float>(spec.opacity),
+            static_cast<float>(spec.roughness), spec.flat,
+            static_cast<float>(spec.metallic),  {}};
+  if (spec.edges) look.edges = spec.edges->cast<float>();
+  return look;
 }
 
 bool draws_surface(const Scene& scene) { return scene.output.view != "particles"; }

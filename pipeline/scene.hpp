@@ -50,6 +50,7 @@ struct LookSpec {
   double roughness = 0.5;
   bool flat = false;
   double metallic = 0.0;
+  std::optional<Vec3> edges = std::nullopt;  ///< colour of the triangles' edges; none are drawn when absent
 };
 
 /// One table of one effect.

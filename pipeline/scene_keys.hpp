@@ -67,6 +67,7 @@ void describe(Io& io, LookSpec& look) {
   io.value("roughness", look.roughness, Interval::closed(0.0, 1.0));
   io.value("metallic", look.metallic, Interval::closed(0.0, 1.0));
   io.value("flat", look.flat);
+  io.color_or_flag("edges", look.edges, Vec3(0.10, 0.12, 0.14));
 }
 
 template <typename Io>

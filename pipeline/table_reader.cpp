@@ -178,24 +178,42 @@ void TableReader::choice(std::string_view key, std::string& value,
                      fmt::join(choices, ", ")));
 }
 
-void TableReader::color(std::string_view key, Vec3& rgb) {
-  const toml::node* node = take(key);
-  if (!node) return;
-  std::string path = path_of(key);
-  if (const toml::value<std::string>* text = node->as_string()) {
+namespace {
+
+/// @param also what else is allowed, for messages
+Vec3 read_color(const toml::node& node, const std::string& path, std::string_view also = "") {
+  auto refuse = [&](const std::string& found) {
+    fail(node, path,
+         fmt::format("expected {}a colour \"#rrggbb\" or [r, g, b] in [0, 1], found {}", also, found));
+  };
+  Vec3 rgb;
+  if (const toml::value<std::string>* text = node.as_string()) {
     const std::string& hex = text->get();
     bool valid =
         hex.size() == 7 && hex[0] == '#' && hex.find_first_not_of("0123456789abcdefABCDEF", 1) == hex.npos;
-    if (!valid)
-      fail(*node, path, fmt::format("expected a colour \"#rrggbb\" or [r, g, b] in [0, 1], found '{}'", hex));
+    if (!valid) refuse(fmt::format("'{}'", hex));
     for (int c = 0; c < 3; ++c) rgb[c] = std::stoi(hex.substr(1 + 2 * c, 2), nullptr, 16) / 255.0;
-    return;
+    return rgb;
   }
-  const toml::array* array = node->as_array();
-  if (!array || array->size() != 3)
-    fail(*node, path,
-         fmt::format("expected a colour \"#rrggbb\" or [r, g, b] in [0, 1], found {}", found_text(*node)));
+  const toml::array* array = node.as_array();
+  if (!array || array->size() != 3) refuse(found_text(node));
   for (int c = 0; c < 3; ++c) rgb[c] = read_number((*array)[c], path, Interval::closed(0.0, 1.0));
+  return rgb;
+}
+
+}  // namespace
+
+void TableReader::color(std::string_view key, Vec3& rgb) {
+  if (const toml::node* node = take(key)) rgb = read_color(*node, path_of(key));
+}
+
+void TableReader::color_or_flag(std::string_view key, std::optional<Vec3>& rgb, const Vec3& usual) {
+  const toml::node* node = take(key);
+  if (!node) return;
+  if (const toml::value<bool>* flag = node->as_boolean())
+    rgb = flag->get() ? std::optional<Vec3>(usual) : std::nullopt;
+  else
+    rgb = read_color(*node, path_of(key), "true, false or ");
 }
 
 void TableReader::size(std::string_view key, int& width, int& height) {

@@ -55,7 +55,9 @@ class TableReader {
     value = std::move(read);
   }
   void choice(std::string_view key, std::string& value, std::span<const std::string_view> choices);
-  void color(std::string_view key, Vec3& rgb);               ///< "#rrggbb" or [r, g, b] in [0, 1]
+  void color(std::string_view key, Vec3& rgb);  ///< "#rrggbb" or [r, g, b] in [0, 1]
+  /// true for `usual`, false for none, or a colour.
+  void color_or_flag(std::string_view key, std::optional<Vec3>& rgb, const Vec3& usual);
   void size(std::string_view key, int& width, int& height);  ///< [width, height] in pixels
   void scale(std::string_view key, Vec3& factors);           ///< one positive number or three
   void range(std::string_view key, std::optional<std::array<double, 2>>& range);  ///< [low, high], finite

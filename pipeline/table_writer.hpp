@@ -29,6 +29,9 @@ class TableWriter {
     put(key, value);
   }
   void color(std::string_view key, const Vec3& rgb) { put(key, rgb); }
+  void color_or_flag(std::string_view key, const std::optional<Vec3>& rgb, const Vec3&) {
+    if (rgb) put(key, *rgb);
+  }
   void size(std::string_view key, int width, int height) {
     table_.insert_or_assign(key, toml::array{width, height});
   }

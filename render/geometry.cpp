@@ -14,7 +14,8 @@ namespace deforma {
 namespace {
 
 void check_look(const Look& look, const char* what, std::size_t number) {
-  if (!look.color.allFinite() || !(look.opacity >= 0.0f && look.opacity <= 1.0f) ||
+  if (!look.color.allFinite() || (look.edges && !look.edges->allFinite()) ||
+      !(look.opacity >= 0.0f && look.opacity <= 1.0f) ||
       !(look.roughness >= 0.0f && look.roughness <= 1.0f) ||
       !(look.metallic >= 0.0f && look.metallic <= 1.0f))
     throw std::invalid_argument(

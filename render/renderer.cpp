@@ -86,9 +86,10 @@ struct Renderer::Data {
     glass.emplace("glass", sources.glass.vertex, sources.glass.fragment);
     glass_edge.emplace("glass edge", sources.glass_edge.vertex, sources.glass_edge.fragment);
     sphere.emplace("sphere", sources.sphere.vertex, sources.sphere.fragment);
+    wire.emplace("wire", sources.wire.vertex, sources.wire.fragment);
     ground.emplace("ground", sources.ground.vertex, sources.ground.fragment);
     backdrop.emplace("backdrop", sources.backdrop.vertex, sources.backdrop.fragment);
-    for (const auto* program : {&mesh, &glass, &glass_edge, &sphere, &ground, &backdrop}) {
+    for (const auto* program : {&mesh, &glass, &glass_edge, &sphere, &wire, &ground, &backdrop}) {
       (*program)->bind_block("Frame", ShaderPlaces::frame_block);
       (*program)->bind_sampler("shadow_map", ShaderPlaces::shadow_map);
       (*program)->bind_sampler("shadow_depths", ShaderPlaces::shadow_depths);
@@ -226,6 +227,27 @@ struct Renderer::Data {
     glDepthMask(GL_TRUE);
   }
 
+  /// The edges of every triangle of the meshes that ask for them: a pixel wide, a little in front of the surface.
+  void draw_wires() const {
+    float widths[2] = {1.0f, 1.0f};
+    glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, widths);
+    glLineWidth(std::min(static_cast<float>(target->antialiasing().grid), widths[1]));
+    glDisable(GL_BLEND);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    glEnable(GL_POLYGON_OFFSET_LINE);
+    glPolygonOffset(-1.0f, -2.0f);
+    glUseProgram(wire->id());
+    for (const UploadedMesh& uploaded : geometry.meshes()) {
+      if (!uploaded.look.edges) continue;
+      const Eigen::Vector3f color = linear(*uploaded.look.edges);
+      glUniform3f(wire->at("color"), color.x(), color.y(), color.z());
+      uploaded.draw();
+    }
+    glDisable(GL_POLYGON_OFFSET_LINE);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glLineWidth(1.0f);
+  }
+
   /// Floor and backdrop have no edges that need more than one sample: outside the content's frame they go straight into the
   /// plain picture, which on a software driver saves most of the cost of antialiasing.
   void draw_around(const PixelBox& inner, bool with_ground) {
@@ -297,6 +319,7 @@ struct Renderer::Data {
     draw_opaque();
     if (!frame.transparent) draw_surroundings(with_ground);
     draw_translucent(frame.transparent);
+    draw_wires();
     clock.end_shading();
     glDisable(GL_SCISSOR_TEST);
     target->resolve(inner);
@@ -310,7 +333,7 @@ struct Renderer::Data {
 
   RendererSettings settings;
   Context context;  // before everything that lives in it
-  std::optional<gl::Program> mesh, glass, glass_edge, sphere, ground, backdrop;
+  std::optional<gl::Program> mesh, glass, glass_edge, sphere, wire, ground, backdrop;
   std::optional<LightPass> light;
   gl::Texture color_map{GL_TEXTURE_2D};
   std::optional<PictureTarget> target;

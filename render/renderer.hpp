@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,6 +24,8 @@ struct Look {
   float roughness = 0.5f;  ///< 0 mirror-like highlight, 1 matte
   bool flat = false;       ///< one normal per triangle instead of smooth shading
   float metallic = 0.0f;   ///< 1: metal, which mirrors in its own colour; 0: anything else
+  /// Colour of the triangles' edges, drawn over them when given; of meshes only.
+  std::optional<Eigen::Vector3f> edges = std::nullopt;
 };
 
 /// One triangle surface in a frame.

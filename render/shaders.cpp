@@ -152,6 +152,17 @@ void main() {
 }
 )";
 
+const char* const wire_vertex = R"(
+layout(location = 0) in vec3 position;
+void main() { gl_Position = clip * vec4(position, 1.0); }
+)";
+
+const char* const wire_fragment = R"(
+uniform vec3 color;
+out vec4 result;
+void main() { result = vec4(color, 1.0); }
+)";
+
 const char* const ground_vertex = R"(
 uniform float drop;  // below its true height, so that what stands on it wins [m]
 out vec2 spot;
@@ -339,6 +350,7 @@ ShaderSources::ShaderSources(bool sample_mask, const Detail& detail) {
   glass = {lit_vertex + mesh_vertex, light + mesh_surface + glass_fragment};
   glass_edge = {lit_vertex + mesh_vertex, light + mesh_surface + glass_edge_fragment};
   sphere = {lit_vertex + sphere_vertex, light + sphere_fragment};
+  wire = {head + wire_vertex, head + wire_fragment};
   ground = {head + ground_vertex, color + ground_fragment};
   backdrop = {head + backdrop_vertex, color + backdrop_fragment};
   mesh_depth = {head + mesh_depth_vertex, head + empty_fragment};

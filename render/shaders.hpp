@@ -38,6 +38,7 @@ struct ShaderSources {
   ShaderSource glass;         ///< translucent triangles
   ShaderSource glass_edge;    ///< their rims and creases, as lines
   ShaderSource sphere;        ///< lit spheres, one quad each
+  ShaderSource wire;          ///< edges of triangles, in one colour whatever the light
   ShaderSource ground;        ///< the floor
   ShaderSource backdrop;      ///< what lies behind everything
   ShaderSource mesh_depth;    ///< triangles into a depth map by a parallel projection

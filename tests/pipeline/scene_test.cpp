@@ -177,6 +177,16 @@ TEST(Scene, SetReachesEveryKey) {
   EXPECT_DOUBLE_EQ(load_text(scratch, small_scene(), {"body.box.density=7"}).bodies[0].density, 7.0);
 }
 
+TEST(Scene, EdgesAreAFlagOrAColour) {
+  Scratch scratch;
+  EXPECT_FALSE(load_text(scratch, small_scene()).bodies[0].look.edges);
+  EXPECT_FALSE(load_text(scratch, small_scene(), {"body.0.look.edges=false"}).bodies[0].look.edges);
+  EXPECT_TRUE(load_text(scratch, small_scene(), {"body.0.look.edges=true"}).bodies[0].look.edges);
+  Scene scene = load_text(scratch, small_scene(), {"body.0.look.edges=[0, 0.5, 1]"});
+  EXPECT_EQ(*scene.bodies[0].look.edges, Vec3(0, 0.5, 1));
+  EXPECT_THAT(scene_to_toml(scene), HasSubstr("edges = [0.0, 0.5, 1.0]"));
+}
+
 TEST(Scene, SetAddsToAnEffectWrittenAsAValue) {
   Scratch scratch;
   Scene scene =
@@ -296,6 +306,9 @@ TEST(SceneRefuses, WithFileLineKeyAndTheNearestName) {
        "mean 'duck.obj'?"},
       {no_body + "[[body]]\nmesh = \".\"\nparticles = 9\n",
        "body.mesh: '.' is a folder; expected a mesh file"},
+      {no_body + "[[body]]\nparticles = 9\nlook = { edges = 1 }\n",
+       "scene.toml:4: body.look.edges: expected true, false or a colour \"#rrggbb\" or [r, g, b] in [0, 1], "
+       "found 1"},
       {no_body + "[[body]]\nparticles = 9\n", "expected exactly one of 'mesh' and 'shape', found none"},
       {no_body + "[[body]]\nshape = { type = \"box\", size = [1, 1, 1] }\n",
        "'particles' and 'spacing', found none"},

@@ -68,6 +68,39 @@ TEST(Look, AStopDoublesAllLightButNotTheBackground) {
   EXPECT_NEAR(brightness(exposed, 80, 0), brightness(plain, 80, 0), 6);
 }
 
+// Two triangles: their outline and the diagonal, a pixel wide, in the colour given, whatever the light.
+TEST(Look, EdgesAreDrawnOverTheirTriangles) {
+  FrameContent frame = from_above(9.0);
+  const Shape sheet = rectangle({0.05, 0.05, 0}, {2, 0, 0}, {0, 2, 0});
+  for (const Antialiasing& kind : {Antialiasing{1, 1}, Antialiasing{4, 1}, Antialiasing{1, 2}})
+    for (const float opacity : {1.0f, 0.4f}) {
+      frame.meshes = {sheet.drawn(
+          {.color = {0.9f, 0.9f, 0.9f}, .opacity = opacity, .edges = Vector3f(0.0f, 0.0f, 0.9f)})};
+      RendererSettings settings = small();
+      settings.detail.antialiasing = kind;
+      settings.detail.fits_machine = false;
+      const Image image = Renderer(settings).draw(frame);
+      const auto is_blue = [&](int x, int y) { return pixel(image, x, y)[2] > pixel(image, x, y)[0] + 50; };
+      int across = 0;
+      for (int x = 0; x < 160; ++x) across += is_blue(x, 50);
+      EXPECT_GE(across, 3) << name_of(kind);
+      EXPECT_LE(across, 6) << name_of(kind);
+      EXPECT_FALSE(is_blue(80, 30)) << "the inside of a triangle";
+      EXPECT_TRUE(is_blue(80, 44) || is_blue(81, 44)) << "the diagonal";
+    }
+}
+
+TEST(Look, EdgesBehindABodyAreHidden) {
+  FrameContent frame = from_above(9.0);
+  const Shape sheet = rectangle({0, 0, -1}, {2, 0, 0}, {0, 2, 0}),
+              cover = rectangle({0, 0, 0}, {3, 0, 0}, {0, 3, 0});
+  frame.meshes = {cover.drawn({})};
+  Renderer renderer(small());
+  const Image covered = renderer.draw(frame);
+  frame.meshes = {cover.drawn({}), sheet.drawn({.edges = Vector3f(0.0f, 0.0f, 0.9f)})};
+  EXPECT_LT(share_of_different(covered, renderer.draw(frame), 12), 0.001);
+}
+
 TEST(Look, ContactIsDarkerThanOpenGround) {
   const Shape body = ball({0, 0, 0}, 1.0, 48);
   const DrawnGround ground{-1.0, {0.7f, 0.7f, 0.7f}};
