@@ -25,6 +25,18 @@ bool draws_particles(const Scene& scene) { return scene.output.view != "surface"
 
 }  // namespace
 
+RendererSettings renderer_settings(const Scene& scene) {
+  RendererSettings settings;
+  settings.width = scene.output.width;
+  settings.height = scene.output.height;
+  settings.detail = detail_of(scene.output.quality);
+  if (scene.output.samples) {
+    settings.detail.antialiasing = {*scene.output.samples, 1};
+    settings.detail.fits_machine = false;
+  }
+  return settings;
+}
+
 Snapshot take_snapshot(const Scene& scene, const Solver& solver, int frame) {
   Snapshot snapshot{frame, (frame - 1) / scene.fps, {}, {}, {}, {}};
   const State& state = solver.state();

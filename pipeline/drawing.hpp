@@ -22,6 +22,9 @@ struct Snapshot {
 /// Copies the state as far as the scene's view needs it.
 Snapshot take_snapshot(const Scene& scene, const Solver& solver, int frame);
 
+/// The renderer that a scene asks for: size, quality, antialiasing.
+RendererSettings renderer_settings(const Scene& scene);
+
 /// Turns snapshots into what the renderer draws.
 class Drawing {
  public:

@@ -50,13 +50,9 @@ std::vector<Image> draw(FigureRow& row, const Shown& shown, const std::optional<
   const double aspect = static_cast<double>(output.height) / output.width;
   output.width = static_cast<int>(std::lround(width * dpi / 25.4 / (right - left)));
   output.height = static_cast<int>(std::lround(output.width * aspect));
-  RendererSettings settings;
-  settings.width = output.width;
-  settings.height = output.height;
-  settings.samples = output.samples;
   std::optional<Renderer> renderer;
   try {
-    renderer.emplace(settings, ContextRequest{platform});
+    renderer.emplace(renderer_settings(row.scene), ContextRequest{platform});
   } catch (const std::invalid_argument& error) {
     throw UserError(fmt::format("{}: {}", row.scene.name, error.what()));
   }

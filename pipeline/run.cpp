@@ -22,18 +22,6 @@ namespace deforma {
 
 namespace {
 
-RendererSettings renderer_settings(const Scene& scene) {
-  RendererSettings settings;
-  settings.width = scene.output.width;
-  settings.height = scene.output.height;
-  settings.detail = detail_of(scene.output.quality);
-  if (scene.output.samples) {
-    settings.detail.antialiasing = {*scene.output.samples, 1};
-    settings.detail.fits_machine = false;
-  }
-  return settings;
-}
-
 ContextFacts wait_for_renderer(FramePipeline& pipeline) {
   try {
     return pipeline.ready();
