@@ -1,5 +1,6 @@
 #include "pipeline/drawing.hpp"
 
+#include "pipeline/framing.hpp"
 #include "pipeline/obstacle_mesh.hpp"
 #include "sim/fields.hpp"
 
@@ -58,7 +59,6 @@ Snapshot take_snapshot(const Scene& scene, const Solver& solver, int frame) {
 }
 
 Drawing::Drawing(const Scene& scene, const State& state) : scene_(scene), state_(state) {
-  camera_ = {*scene.camera.position, *scene.camera.target, scene.camera.up, scene.camera.field_of_view};
   light_.direction = scene.light.direction;
   light_.intensity = static_cast<float>(scene.light.intensity);
   light_.ambient = static_cast<float>(scene.light.ambient);
@@ -74,7 +74,11 @@ Drawing::Drawing(const Scene& scene, const State& state) : scene_(scene), state_
     }
   }
 
-  double plane_size = 2.0 * (camera_.eye - camera_.target).norm();
+  double plane_size = 0.0;
+  for (int frame = 1; frame <= scene.frames(); ++frame) {
+    const Camera camera = camera_at(scene.camera, (frame - 1) / scene.fps);
+    plane_size = std::max(plane_size, 2.0 * (camera.eye - camera.target).norm());
+  }
   for (std::size_t o = 0; o < scene.obstacles.size(); ++o) {
     if (!scene.obstacles[o].visible) continue;
     Prop prop{&state.obstacles[o], look_of(scene.obstacles[o].look), {}, {}, {}, {}, {}};
@@ -100,7 +104,7 @@ void Drawing::place(Prop& prop, double time) const {
 
 FrameContent Drawing::content(const Snapshot& snapshot) {
   FrameContent frame;
-  frame.camera = camera_;
+  frame.camera = camera_at(scene_.camera, snapshot.time);
   frame.light = light_;
   if (scene_.ground && scene_.ground->visible) frame.ground = &ground_;
   frame.transparent = scene_.output.transparent;

@@ -56,7 +56,6 @@ class Drawing {
   std::vector<Vec3> normals_;
   std::vector<Prop> props_;
   DrawnGround ground_;
-  Camera camera_;
   Light light_;
   ColorScale color_scale_;  ///< without a map: by their looks
 };

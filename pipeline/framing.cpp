@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
+#include <numbers>
 
 #include "pipeline/obstacle_mesh.hpp"
 #include "pipeline/user_error.hpp"
-#include "render/camera.hpp"
 
 namespace deforma {
 
@@ -44,26 +44,57 @@ Bounds scene_bounds(const Scene& scene, const State& state) {
   return bounds;
 }
 
+/// All the room that a box takes while it turns about the upright line through its middle.
+Bounds turned(const Bounds& bounds) {
+  double radius = 0.5 * bounds.sizes().head<2>().norm();
+  Vec3 center = bounds.center(), reach(radius, radius, 0.5 * bounds.sizes().z());
+  return {Vec3(center - reach), Vec3(center + reach)};
+}
+
+void check_view(const Scene& scene, double time) {
+  Camera camera = camera_at(scene.camera, time);
+  Vec3 view = camera.target - camera.eye;
+  if (view.cross(camera.up).norm() > 1e-9 * view.norm() * camera.up.norm()) return;
+  throw UserError(fmt::format(
+      "{}: camera: looks at {} s from [{}, {}, {}] to [{}, {}, {}] along its up direction [{}, {}, {}]",
+      scene.file.string(), time, camera.eye.x(), camera.eye.y(), camera.eye.z(), camera.target.x(),
+      camera.target.y(), camera.target.z(), camera.up.x(), camera.up.y(), camera.up.z()));
+}
+
 }  // namespace
 
 void frame_scene(Scene& scene, const State& state) {
   CameraSpec& spec = scene.camera;
+  double aspect = static_cast<double>(scene.output.width) / scene.output.height;
+  bool parallel = spec.projection == "orthographic";
+  Bounds bounds = scene_bounds(scene, state);
+  if (spec.orbit != 0.0) bounds = turned(bounds);
   if (!spec.position || !spec.target) {
-    Bounds bounds = scene_bounds(scene, state);
-    double aspect = static_cast<double>(scene.output.width) / scene.output.height;
     Vec3 direction = Vec3(0.55, -1.0, 0.42);
-    if (spec.position) direction = *spec.position - bounds.center();
+    if (spec.position) direction = spec.position->at(0.0) - bounds.center();
     Camera camera = frame_box(bounds.min(), bounds.max(), aspect, direction, spec.field_of_view);
     Vec3 to_eye = camera.eye - camera.target;
-    if (!spec.target) spec.target = camera.target;
-    if (!spec.position) spec.position = *spec.target + to_eye;
+    if (!spec.target) spec.target = parallel ? Vec3(bounds.center()) : camera.target;
+    if (!spec.position) spec.position = Vec3(spec.target->at(0.0) + to_eye);
   }
-  Vec3 view = *spec.target - *spec.position;
-  if (view.cross(spec.up).norm() <= 1e-9 * view.norm() * spec.up.norm())
-    throw UserError(fmt::format(
-        "{}: camera: looks from [{}, {}, {}] to [{}, {}, {}] along its up direction [{}, {}, {}]",
-        scene.file.string(), spec.position->x(), spec.position->y(), spec.position->z(), spec.target->x(),
-        spec.target->y(), spec.target->z(), spec.up.x(), spec.up.y(), spec.up.z()));
+  for (int frame = 1; frame <= scene.frames(); ++frame) check_view(scene, (frame - 1) / scene.fps);
+  if (parallel && !spec.height)
+    spec.height = frame_height(camera_at(spec, 0.0), bounds.min(), bounds.max(), aspect);
+}
+
+Camera camera_at(const CameraSpec& spec, double time) {
+  Camera camera;
+  camera.target = spec.target->at(time);
+  Vec3 to_eye = spec.position->at(time) - camera.target;
+  if (spec.orbit != 0.0) {
+    double angle = spec.orbit * time * std::numbers::pi / 180.0;
+    to_eye = Eigen::AngleAxisd(angle, spec.up.normalized()) * to_eye;
+  }
+  camera.eye = camera.target + to_eye;
+  camera.up = spec.up;
+  camera.field_of_view = spec.field_of_view;
+  camera.height = spec.height.value_or(0.0);
+  return camera;
 }
 
 }  // namespace deforma

@@ -108,10 +108,13 @@ struct SceneObstacle {
 };
 
 struct CameraSpec {
-  std::optional<Vec3> position;  ///< automatic framing when absent [m]
-  std::optional<Vec3> target;    ///< the middle of the scene when absent [m]
+  std::optional<Curve<Vec3>> position;  ///< automatic framing when absent [m]
+  std::optional<Curve<Vec3>> target;    ///< the middle of the scene when absent [m]
   Vec3 up = Vec3::UnitZ();
   double field_of_view = 30.0;  ///< vertical [degrees]
+  std::string projection = "perspective";
+  std::optional<double> height;  ///< of what an orthographic picture shows; all of the scene when absent [m]
+  double orbit = 0.0;            ///< turn around the target, about `up` [degrees/s]
 };
 
 struct LightSpec {

@@ -16,6 +16,7 @@ namespace deforma {
 
 inline constexpr std::array<std::string_view, 6> video_choices = {"mp4", "mkv", "mov", "webm", "gif", "none"};
 inline constexpr std::array<std::string_view, 3> view_choices = {"surface", "particles", "both"};
+inline constexpr std::array<std::string_view, 2> projection_choices = {"perspective", "orthographic"};
 inline constexpr std::array<std::string_view, 2> integrator_choices = {"symplectic_euler", "velocity_verlet"};
 inline constexpr std::array<std::string_view, 3> sampling_choices = {"lattice", "body_centered",
                                                                      "blue_noise"};
@@ -106,6 +107,9 @@ void describe(Io& io, CameraSpec& camera) {
   io.value("target", camera.target);
   io.value("up", camera.up);
   io.value("field_of_view", camera.field_of_view, Interval::open(1.0, 170.0));
+  io.choice("projection", camera.projection, projection_choices);
+  io.value("height", camera.height, Interval::positive());
+  io.value("orbit", camera.orbit);
 }
 
 template <typename Io>

@@ -198,6 +198,10 @@ Scene load_scene(const std::filesystem::path& file, const std::vector<Override>&
   std::vector<const toml::table*> obstacles = reader.tables("obstacle");
   reader.finish();
   resolve_encoding(root, scene.output);
+  if (scene.camera.height && scene.camera.projection != "orthographic")
+    fail(
+        *root["camera"]["height"].node(), "camera.height",
+        fmt::format("counts only with projection = \"orthographic\", found \"{}\"", scene.camera.projection));
   if (bodies.empty())
     throw UserError(fmt::format("{}: no [[body]]: a scene needs at least one", file.string()));
   if (scene.duration * scene.fps > 1e6)

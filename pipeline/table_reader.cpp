@@ -163,6 +163,13 @@ void TableReader::value(std::string_view key, Curve<Vec3>& value) {
     if (!vector.allFinite()) fail(*node, path_of(key), fmt::format("{} is not finite", found_text(*node)));
 }
 
+void TableReader::value(std::string_view key, std::optional<Curve<Vec3>>& value) {
+  if (!take(key)) return;
+  Curve<Vec3> read = Vec3(0, 0, 0);
+  this->value(key, read);
+  value = std::move(read);
+}
+
 void TableReader::choice(std::string_view key, std::string& value,
                          std::span<const std::string_view> choices) {
   const toml::node* node = take(key);

@@ -47,6 +47,7 @@ class TableReader {
   void value(std::string_view key, std::string& value);
   void value(std::string_view key, Vec3& value);
   void value(std::string_view key, Curve<Vec3>& value);
+  void value(std::string_view key, std::optional<Curve<Vec3>>& value);
   template <typename T, typename... Limits>
   void value(std::string_view key, std::optional<T>& value, const Limits&... limits) {
     if (!take(key)) return;

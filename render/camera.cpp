@@ -70,6 +70,19 @@ Camera frame_box(const Eigen::Vector3d& min, const Eigen::Vector3d& max, double 
   return camera;
 }
 
+double frame_height(const Camera& camera, const Eigen::Vector3d& min, const Eigen::Vector3d& max,
+                    double aspect) {
+  const Eigen::Matrix4d view = view_matrix(camera);
+  double half = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector4d point(corner & 1 ? max.x() : min.x(), corner & 2 ? max.y() : min.y(),
+                                corner & 4 ? max.z() : min.z(), 1.0);
+    const Eigen::Vector4d seen = view * point;
+    half = std::max({half, std::abs(seen.y()), std::abs(seen.x()) / aspect});
+  }
+  return half > 0.0 ? 2.12 * half : 1.0;  // some air around it
+}
+
 Eigen::Matrix4d view_matrix(const Camera& camera) {
   const Eigen::Vector3d back = camera.eye - camera.target;
   if (!back.allFinite() || back.norm() == 0.0)
@@ -84,9 +97,17 @@ Eigen::Matrix4d view_matrix(const Camera& camera) {
 }
 
 Eigen::Matrix4d projection_matrix(const Camera& camera, double aspect, double near_plane, double far_plane) {
-  const double tan_y = half_tangent(camera.field_of_view);
   if (!(aspect > 0.0))
     throw std::invalid_argument("the aspect of the picture must be positive, not " + std::to_string(aspect));
+  if (camera.is_parallel()) {
+    Eigen::Matrix4d projection = Eigen::Matrix4d::Identity();
+    projection(0, 0) = 2.0 / (camera.height * aspect);
+    projection(1, 1) = 2.0 / camera.height;
+    projection(2, 2) = -2.0 / (far_plane - near_plane);
+    projection(2, 3) = (far_plane + near_plane) / (near_plane - far_plane);
+    return projection;
+  }
+  const double tan_y = half_tangent(camera.field_of_view);
   if (!(near_plane > 0.0 && far_plane > near_plane))
     throw std::invalid_argument("the near plane must be positive and nearer than the far plane, not " +
                                 std::to_string(near_plane) + " and " + std::to_string(far_plane));

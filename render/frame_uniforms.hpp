@@ -12,6 +12,8 @@ struct FrameUniforms {
   Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();    ///< world to clip space
   Eigen::Matrix4f shadow = Eigen::Matrix4f::Identity();  ///< world to the shadow map, [0, 1]^3
   Eigen::Vector4f eye = Eigen::Vector4f::Zero();         ///< and the ground's region per texel [m]
+  Eigen::Vector4f back =
+      Eigen::Vector4f::UnitZ();  ///< unit, from the target to the eye; 1 when rays are parallel
   Eigen::Vector4f key_to = Eigen::Vector4f::UnitZ();  ///< unit, towards the light; 1 when it throws shadows
   Eigen::Vector4f key = Eigen::Vector4f::Zero();      ///< irradiance; radiance of the sky
   Eigen::Vector4f rim_to =
@@ -33,6 +35,6 @@ struct FrameUniforms {
   Eigen::Matrix<float, 4, max_samples> samples =
       Eigen::Matrix<float, 4, max_samples>::Zero();  ///< offsets [pixels]
 };
-static_assert(sizeof(FrameUniforms) == (2 * 16 + 12 * 4 + 4 * max_samples) * sizeof(float));
+static_assert(sizeof(FrameUniforms) == (2 * 16 + 13 * 4 + 4 * max_samples) * sizeof(float));
 
 }  // namespace deforma

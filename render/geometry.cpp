@@ -71,6 +71,12 @@ void check_values(std::span<const float> values, std::size_t points, const Color
         fmt::format("{} {}: values need a colour scale from a lower to a higher one", what, number));
 }
 
+/// How far a point, relative to the target, lies in front of the eye [m]; along the view where rays are parallel.
+double distance_to(const Camera& camera, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d eye = camera.eye - camera.target;
+  return camera.is_parallel() ? (eye - point).dot(eye.normalized()) : (eye - point).norm();
+}
+
 void attribute(GLuint place, GLint size, GLsizei stride, std::size_t offset) {
   glEnableVertexAttribArray(place);
   glVertexAttribPointer(place, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
@@ -183,7 +189,7 @@ Box Geometry::upload_mesh(const DrawnMesh& drawn, UploadedMesh& mesh, const Fram
   mesh.look = drawn.look;
   mesh.inside_out =
       drawn.look.opacity < 1.0f && !box.empty() && faces_inwards(drawn, box.center() + camera.target);
-  mesh.distance = box.empty() ? 0.0 : (box.center() - (camera.eye - camera.target)).norm();
+  mesh.distance = box.empty() ? 0.0 : distance_to(camera, box.center());
   return box;
 }
 
@@ -205,12 +211,11 @@ Box Geometry::upload_spheres(const DrawnSpheres& drawn, UploadedSpheres& spheres
           fmt::format("spheres {}: center {} is not finite", number, centers.size() - 1));
     box.add(centers.back(), drawn.radius);
   }
-  const Eigen::Vector3d eye = camera.eye - camera.target;
   std::vector<std::size_t> order(centers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (drawn.look.opacity < 1.0f)  // seen through each other: the far ones first
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return (centers[a] - eye).squaredNorm() > (centers[b] - eye).squaredNorm();
+      return distance_to(camera, centers[a]) > distance_to(camera, centers[b]);
     });
   staging_.resize(3 * centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i) {

@@ -108,7 +108,9 @@ struct Renderer::Data {
     camera.target.setZero();
     const Eigen::Matrix4d view = view_matrix(camera);
     const double radius = bounds.content.empty() ? 0.3 * camera.eye.norm() : bounds.content.radius();
-    const DepthRange range = fit_depth(bounds, camera.eye, ground_reach * radius);
+    const DepthRange range = camera.is_parallel()
+                                 ? fit_parallel_depth(bounds, camera.eye, ground_reach * radius)
+                                 : fit_depth(bounds, camera.eye, ground_reach * radius);
     const Eigen::Vector3d to_light = -frame.light.direction.normalized();
     if (!to_light.allFinite() || to_light.norm() == 0.0)
       throw std::invalid_argument("the light's direction must be finite and not zero");
@@ -116,6 +118,7 @@ struct Renderer::Data {
     uniforms.clip =
         (projection_matrix(camera, aspect, range.near_plane, range.far_plane) * view).cast<float>();
     uniforms.eye = joined(camera.eye.cast<float>(), 1.0f);
+    uniforms.back = joined(camera.eye.normalized().cast<float>(), camera.is_parallel() ? 1.0f : 0.0f);
     uniforms.key_to = joined(to_light.cast<float>(), 0.0f);
     const float exposure = std::exp2(frame.light.exposure);
     const float intensity = exposure * frame.light.intensity;

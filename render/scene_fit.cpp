@@ -69,6 +69,17 @@ DepthRange fit_depth(const SceneBounds& bounds, const Eigen::Vector3d& eye, doub
   return range;
 }
 
+DepthRange fit_parallel_depth(const SceneBounds& bounds, const Eigen::Vector3d& eye, double ground_radius) {
+  const Eigen::Vector3d back = eye.normalized();
+  const Eigen::Vector3d center = bounds.content.empty() ? Eigen::Vector3d::Zero() : bounds.content.center();
+  const double radius = std::max(bounds.content.empty() ? eye.norm() : bounds.content.radius(),
+                                 bounds.has_ground ? 1.5 * ground_radius : 0.0);
+  // The ground's middle may lie far below the content's.
+  const double reach = 1.01 * radius + (bounds.has_ground ? std::abs(center.z() - bounds.ground) : 0.0);
+  const double middle = (eye - center).dot(back);
+  return {middle - reach, middle + reach};
+}
+
 ShadowFit fit_shadow(const Box& casters, const Eigen::Vector3d& to_light, double margin) {
   const Eigen::Vector3d z = to_light.normalized();
   const Eigen::Vector3d helper = std::abs(z.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();

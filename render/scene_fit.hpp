@@ -44,6 +44,9 @@ struct DepthRange {
 /// @param ground_radius that the ground reaches from the content's center [m]
 DepthRange fit_depth(const SceneBounds& bounds, const Eigen::Vector3d& eye, double ground_radius);
 
+/// The same for a parallel projection, whose near plane may lie behind the eye.
+DepthRange fit_parallel_depth(const SceneBounds& bounds, const Eigen::Vector3d& eye, double ground_radius);
+
 /// A parallel projection along the light that holds the casters tightly.
 struct ShadowFit {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();  ///< to [0, 1]^3: across, across, away from the light

@@ -67,7 +67,7 @@ float lamps(vec3 d) {
 void main() {
   vec3 base = own_color();
   vec3 n = surface_normal();
-  vec3 v = normalize(eye.xyz - p);
+  vec3 v = to_eye(p);
   float nv = clamp(dot(n, v), 0.05, 1.0);
   float mirror = 0.04 + 0.96 * fresnel(nv);
   float body = 1.0 - pow(1.0 - color.a, 1.0 / max(nv, 0.1));
@@ -110,9 +110,10 @@ void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   center = position - eye.xyz;
   float distance = length(center);
-  vec3 axis = center / distance;
+  vec3 axis = back.w == 0.0 ? center / distance : -back.xyz;
   vec3 u = normalize(cross(axis, abs(axis.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
-  float size = radius / sqrt(max(1.0 - radius * radius / (distance * distance), 1e-3));
+  float slant = back.w == 0.0 ? radius * radius / (distance * distance) : 0.0;
+  float size = radius / sqrt(max(1.0 - slant, 1e-3));
   way = center + size * (corner.x * u + corner.y * cross(axis, u));
   gl_Position = clip * vec4(eye.xyz + way, 1.0);
 }
@@ -129,9 +130,10 @@ flat in vec3 center;
 flat in vec3 from_floor;
 out vec4 result;
 void main() {
-  vec3 ray = normalize(way);
-  float along = dot(ray, center);
-  vec3 miss = along * ray - center;
+  vec3 ray = back.w == 0.0 ? normalize(way) : -back.xyz;
+  vec3 start = back.w == 0.0 ? vec3(0.0) : way;  // of the ray, from the eye
+  float along = dot(ray, center - start);
+  vec3 miss = start + along * ray - center;
   float inside = radius * radius - dot(miss, miss);
 #ifdef SAMPLE_MASK
   vec2 slope = vec2(dFdx(inside), dFdy(inside));
@@ -143,7 +145,7 @@ void main() {
 #else
   if (inside < 0.0) discard;
 #endif
-  vec3 hit = ray * (along - sqrt(max(inside, 0.0)));
+  vec3 hit = start + ray * (along - sqrt(max(inside, 0.0)));
   vec3 p = eye.xyz + hit;
   vec4 c = clip * vec4(p, 1.0);
   gl_FragDepth = 0.5 + 0.5 * c.z / c.w;

@@ -15,6 +15,7 @@ layout(std140) uniform Frame {
   mat4 clip;
   mat4 shadow;
   vec4 eye;
+  vec4 back;
   vec4 key_to;
   vec4 key;
   vec4 rim_to;
@@ -29,6 +30,9 @@ layout(std140) uniform Frame {
   vec4 samples[8];
 };
 const float inverse_pi = 0.31830989;
+
+// From p to the eye, unit.
+vec3 to_eye(vec3 p) { return back.w == 0.0 ? normalize(eye.xyz - p) : back.xyz; }
 )";
 }
 
@@ -174,7 +178,7 @@ vec3 directional(vec3 scattered, vec3 straight, float alpha, vec3 n, vec3 v, flo
 // Radiance that leaves a body at p towards the eye; n looks to the eye's side. Metal mirrors in its own colour and scatters
 // nothing.
 vec3 body_color(vec3 albedo, float roughness, float metallic, vec3 p, vec3 n, vec3 from_floor) {
-  vec3 v = normalize(eye.xyz - p);
+  vec3 v = to_eye(p);
   float nv = clamp(dot(n, v), 0.02, 1.0);
   float alpha = max(roughness * roughness, 0.01);
   vec3 scattered = albedo * (1.0 - metallic);

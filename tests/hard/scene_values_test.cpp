@@ -200,7 +200,7 @@ TEST(HardCase, Row34NanAnywhere) {
   const std::vector<std::pair<std::string, std::string>> top_tables = {
       {"output", "crf samples"},
       {"solver", "step_fraction max_step neighbors support"},
-      {"camera", "field_of_view position* target* up*"},
+      {"camera", "field_of_view height orbit position* target* up*"},
       {"light", "intensity ambient exposure direction*"},
       {"ground", "height friction color*"}};
   std::vector<std::pair<std::string, std::string>> scenes;  // key, text
@@ -221,7 +221,8 @@ TEST(HardCase, Row34NanAnywhere) {
           "duration = 1\n[[body]]\n" + box, "");
   add_all("body.", "particles spacing surface_particles",
           "duration = 1\n[[body]]\nshape = { type = \"box\", size = [1, 1, 1] }\n", "");
-  add_all("body.look.", "opacity roughness metallic color*", "duration = 1\n[[body]]\n" + box + "[body.look]\n", "");
+  add_all("body.look.", "opacity roughness metallic color*",
+          "duration = 1\n[[body]]\n" + box + "[body.look]\n", "");
   add_all("obstacle.", "position* rotation* friction",
           "duration = 1\n[[body]]\n" + box + "[[obstacle]]\nshape = { type = \"sphere\", radius = 0.1 }\n",
           "");

@@ -250,7 +250,7 @@ TEST(Framing, TheWholeSceneIsInThePicture) {
         {{"output.size", size, "test"}});
     World world = build(scene);
     frame_scene(scene, world.solver->state());
-    Camera camera{*scene.camera.position, *scene.camera.target, scene.camera.up, scene.camera.field_of_view};
+    Camera camera = camera_at(scene.camera, 0.0);
     double aspect = static_cast<double>(scene.output.width) / scene.output.height;
     Eigen::Matrix4d to_clip = projection_matrix(camera, aspect, 0.01, 100.0) * view_matrix(camera);
     std::vector<Vec3> points = world.solver->state().surface.rest;
@@ -262,6 +262,35 @@ TEST(Framing, TheWholeSceneIsInThePicture) {
       EXPECT_LE(std::abs(clip.y()), clip.w()) << size;
     }
   }
+}
+
+TEST(Framing, AnOrthographicPictureHoldsTheSceneWhicheverWayItTurns) {
+  Scratch scratch;
+  Scene scene = load_scene(scratch.write("scene.toml", small_scene()),
+                           {{"camera", "{ projection = \"orthographic\", orbit = 360 }", "test"}});
+  World world = build(scene);
+  frame_scene(scene, world.solver->state());
+  double aspect = static_cast<double>(scene.output.width) / scene.output.height;
+  for (double time : {0.0, 0.125, 0.25, 0.6}) {
+    Camera camera = camera_at(scene.camera, time);
+    EXPECT_TRUE(camera.is_parallel());
+    Eigen::Matrix4d to_clip = projection_matrix(camera, aspect, -100.0, 100.0) * view_matrix(camera);
+    for (const Vec3& point : world.solver->state().surface.rest) {
+      Eigen::Vector4d clip = to_clip * point.homogeneous();
+      EXPECT_LE(std::abs(clip.x()), 1.0);
+      EXPECT_LE(std::abs(clip.y()), 1.0);
+    }
+  }
+}
+
+TEST(Framing, TheCameraFollowsKeyframesAndOrbitsItsTarget) {
+  CameraSpec spec;
+  spec.position = Curve<Vec3>({{0.0, Vec3(2, 0, 1)}, {2.0, Vec3(4, 0, 1)}});
+  spec.target = Vec3(1, 0, 0);
+  EXPECT_EQ(camera_at(spec, 1.0).eye, Vec3(3, 0, 1));
+  spec.orbit = 90.0;  // a quarter turn to the left after 1 s, seen from above
+  EXPECT_LT((camera_at(spec, 1.0).eye - Vec3(1, 2, 1)).norm(), 1e-12);
+  EXPECT_EQ(camera_at(spec, 1.0).target, Vec3(1, 0, 0));
 }
 
 TEST(ObstacleMesh, ContainersOpenUpwardsAndFaceInwards) {

@@ -306,6 +306,8 @@ TEST(SceneRefuses, WithFileLineKeyAndTheNearestName) {
        "mean 'duck.obj'?"},
       {no_body + "[[body]]\nmesh = \".\"\nparticles = 9\n",
        "body.mesh: '.' is a folder; expected a mesh file"},
+      {no_body + "[camera]\nheight = 2\n[[body]]\n",
+       "scene.toml:3: camera.height: counts only with projection = \"orthographic\", found \"perspective\""},
       {no_body + "[[body]]\nparticles = 9\nlook = { edges = 1 }\n",
        "scene.toml:4: body.look.edges: expected true, false or a colour \"#rrggbb\" or [r, g, b] in [0, 1], "
        "found 1"},

@@ -101,6 +101,50 @@ TEST(Look, EdgesBehindABodyAreHidden) {
   EXPECT_LT(share_of_different(covered, renderer.draw(frame), 12), 0.001);
 }
 
+// Parallel rays: a bar that runs away from the eye stays as wide, and a sphere is as large, near and far.
+TEST(Look, OrthographicKeepsWidths) {
+  FrameContent frame;
+  frame.camera.eye = {0, -10, 10};
+  frame.camera.height = 9.0;  // 10 pixels a metre
+  frame.background = {0, 0, 0};
+  const Shape bar = rectangle({0, 0, 0}, {1, 0, 0}, {0, 20, 0});
+  const Look red{.color = {0.9f, 0.05f, 0.05f}, .roughness = 0.8f};
+  frame.meshes = {bar.drawn(red)};
+  Renderer renderer(small());
+  const auto width = [](const Image& image, int y) {
+    int count = 0;
+    for (int x = 0; x < 160; ++x) count += pixel(image, x, y)[0] > 40;
+    return count;
+  };
+  const Image bars = renderer.draw(frame);
+  for (const int y : {5, 45, 85}) EXPECT_NEAR(width(bars, y), 20, 1) << y;
+  frame.meshes.clear();
+  const std::vector<Vector3d> centers = {{0, 3, 0}, {0, -3, 0}};
+  frame.spheres = {{centers, 1.0, red}};
+  const Image spheres = renderer.draw(frame);
+  const int offset = static_cast<int>(std::lround(30.0 * std::sqrt(0.5)));
+  for (const int y : {45 - offset, 45 + offset}) {
+    EXPECT_NEAR(width(spheres, y), 20, 2) << y;
+    EXPECT_NEAR(width(spheres, y + 8), 12, 3) << y;  // 2 sqrt(100 - 64)
+  }
+}
+
+TEST(Look, OrthographicSpheresLookLikeMeshes) {
+  FrameContent frame;
+  frame.camera.eye = {3, -6, 3};
+  frame.camera.height = 6.0;
+  const DrawnGround ground{-1.5, {0.7f, 0.7f, 0.7f}};
+  frame.ground = &ground;
+  const Shape body = ball({0.3, 0, 0}, 1.5, 96);
+  const std::vector<Vector3d> centers = {{0.3, 0, 0}};
+  Renderer renderer(small());
+  frame.meshes = {body.drawn({})};
+  const Image mesh = renderer.draw(frame);
+  frame.meshes.clear();
+  frame.spheres = {{centers, 1.5, {}}};
+  EXPECT_LT(share_of_different(mesh, renderer.draw(frame), 12), 0.03);
+}
+
 TEST(Look, ContactIsDarkerThanOpenGround) {
   const Shape body = ball({0, 0, 0}, 1.0, 48);
   const DrawnGround ground{-1.0, {0.7f, 0.7f, 0.7f}};
