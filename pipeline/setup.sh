@@ -4,7 +4,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 packages=(g++ cmake ninja-build ccache pkg-config
   libeigen3-dev libassimp-dev libtomlplusplus-dev libcli11-dev libtbb-dev libnanoflann-dev
-  libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri libpng-dev libcairo2-dev fonts-dejavu-core
+  libepoxy-dev libegl-dev libglvnd-core-dev libegl-mesa0 libgl1-mesa-dri libpng-dev libcairo2-dev fonts-dejavu-core
   libavcodec-dev libavformat-dev libavutil-dev libswscale-dev
   nlohmann-json3-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
 

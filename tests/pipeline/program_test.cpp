@@ -82,6 +82,33 @@ TEST(Program, DrawsOrSaysWhyNotInAnyEnvironment) {
   }
 }
 
+/// As when a render node may not be read: the card is listed, and cannot be opened.
+TEST(Program, ACardThatCannotBeOpenedIsPassedOverWithAWarning) {
+  Scratch scratch;
+  const fs::path scene = scratch.write("scene.toml", small_scene());
+  const fs::path vendor = scratch.write(
+      "card.json",
+      "{\"file_format_version\": \"1.0.0\", \"ICD\": {\"library_path\": \"" DEFORMA_BROKEN_CARD "\"}}");
+  const fs::path mesa = "/usr/share/glvnd/egl_vendor.d/50_mesa.json";
+  if (!fs::exists(mesa)) GTEST_SKIP() << "Mesa is installed elsewhere";
+  auto with = [&](const std::string& vendors, const std::string& arguments) {
+    return shell("env __EGL_VENDOR_LIBRARY_FILENAMES=" + vendors + " " DEFORMA_PROGRAM " " + arguments);
+  };
+  const std::string line = run_line(scene, scratch / "out", "--frames 1:1 --size 96x64 --no-video");
+  Said both = with(vendor.string() + ":" + mesa.string(), line);
+  EXPECT_EQ(both.code, 0) << both.text;
+  EXPECT_THAT(both.text,
+              HasSubstr("warning: cannot draw on device:0 (/dev/dri/card9): eglInitialize failed with "
+                        "EGL_NOT_INITIALIZED; 'device:1' draws on "));
+  EXPECT_THAT(read_text_file(scratch / "out/report.json"), HasSubstr("device:0 (/dev/dri/card9)"));
+
+  Said alone = with(vendor.string(), line + " --overwrite");
+  EXPECT_EQ(alone.code, 1);
+  EXPECT_THAT(alone.text, AllOf(HasSubstr("error: no OpenGL context can be had"), HasSubstr("device:0"),
+                                HasSubstr("surfaceless: ")));
+  EXPECT_EQ(with(vendor.string() + ":" + mesa.string(), line + " --overwrite --platform device:0").code, 1);
+}
+
 TEST(Program, DoctorSaysWhatThereIs) {
   Said said = deforma_program("doctor");
   EXPECT_EQ(said.code, 0) << said.text;
