@@ -47,6 +47,9 @@ struct VideoWriter::Data {
       : file(target), settings(wanted), container(container_of(target)), temporary(target) {
     check_settings(settings);
     encoding = choose_encoding(container, settings.encoding);
+    if (indexed() && settings.fps > 100.0)
+      throw std::invalid_argument(fmt::format(
+          "a gif counts time in hundredths of a second: its fps must be at most 100, not {}", settings.fps));
     // libav speaks of its own progress on the error stream; errors come back as codes.
     av_log_set_level(AV_LOG_FATAL);
     open_codec();

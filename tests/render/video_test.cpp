@@ -224,6 +224,8 @@ TEST(Video, RefusesByMessage) {
   refuses("a.mp4", settings, "fps");
   settings.fps = std::nan("");
   refuses("a.mp4", settings, "fps");
+  settings.fps = 200.0;
+  refuses("a.gif", settings, "at most 100, not 200");
   settings = {};
   settings.width = 0;
   refuses("a.mp4", settings, "0 x 720");
