@@ -23,7 +23,7 @@ struct Shown {
 
   Shown() { frame_scene(scene, world.solver->state()); }
 
-  Renderer renderer() const { return Renderer({.width = scene.output.width, .height = scene.output.height}); }
+  Renderer renderer() const { return Renderer(renderer_settings(scene)); }
   Image draw(Renderer& renderer) const {
     Drawing drawing(scene, world.solver->state());
     const Snapshot snapshot = take_snapshot(scene, *world.solver, 1);
