@@ -127,8 +127,7 @@ TEST(Coloring, MistakesAreToldWithWhatIsAllowed) {
   EXPECT_THAT(told("color_map = \"jet\""), HasSubstr("automatic, viridis, cividis, magma, coolwarm"));
   EXPECT_THAT(told("color_range = 5"),
               HasSubstr("output.color_range: expected two numbers [low, high], found 5"));
-  EXPECT_THAT(told("color_range = [2, 2]"),
-              HasSubstr("expected low below high, both finite, found [2, 2]"));
+  EXPECT_THAT(told("color_range = [2, 2]"), HasSubstr("expected low below high, both finite, found [2, 2]"));
   EXPECT_THAT(told("color_range = [0, inf]"), HasSubstr("both finite"));
   EXPECT_THAT(told("color_range = [0, nan]"), HasSubstr("color_range"));
 }

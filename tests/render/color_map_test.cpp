@@ -111,9 +111,7 @@ RendererSettings small() {
   return settings;
 }
 
-Look look_of(const Rgb& color) {
-  return {.color = Vector3f(color[0], color[1], color[2]) / 255.0f};
-}
+Look look_of(const Rgb& color) { return {.color = Vector3f(color[0], color[1], color[2]) / 255.0f}; }
 
 TEST(DrawByValue, EqualsADrawingInTheMapsColour) {
   Renderer renderer(small());
