@@ -20,7 +20,7 @@ bool write(std::FILE* file, const T* data, std::size_t count) {
 template <typename T>
 bool write(std::FILE* file, const std::vector<T>& items) {
   const std::uint64_t count = items.size();
-  return write(file, &count, 1) && write(file, items.data(), items.size());
+  return write(file, &count, 1) && (items.empty() || write(file, items.data(), items.size()));
 }
 
 template <typename T>
@@ -28,7 +28,7 @@ bool read(std::FILE* file, std::vector<T>& items) {
   std::uint64_t count = 0;
   if (std::fread(&count, sizeof count, 1, file) != 1) return false;
   items.resize(count);
-  return std::fread(items.data(), sizeof(T), items.size(), file) == items.size();
+  return items.empty() || std::fread(items.data(), sizeof(T), items.size(), file) == items.size();
 }
 
 }  // namespace
